@@ -1,0 +1,1 @@
+"""Hands: their description, kinematics, tendon drive and grasp motions."""
