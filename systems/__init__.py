@@ -1,0 +1,1 @@
+"""One Drake LeafSystem a file, each around an algorithm of the package."""

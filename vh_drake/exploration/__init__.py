@@ -1,0 +1,1 @@
+"""Where to touch next, and the curve that leads there."""

@@ -1,0 +1,1 @@
+"""Meshes, their repair, distances and samples."""

@@ -1,0 +1,1 @@
+"""Grasp candidates and their quality."""

@@ -1,0 +1,1 @@
+"""The embedded object library and loaders for folders of objects."""

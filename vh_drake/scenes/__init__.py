@@ -1,0 +1,1 @@
+"""Scenarios and the functions that build plants and diagrams from them."""

@@ -1,0 +1,1 @@
+"""From clouds and wrenches to objects and contacts."""
