@@ -1,11 +1,11 @@
 """What vh_drake must know of a hand beside its model file; a user's hand brings the same."""
 
 import dataclasses as dc
+import math
 from pathlib import Path
 
-from pydrake.common.yaml import yaml_load_typed
-
 from vh_drake.errors import BadInput
+from vh_drake.yaml_files import load_typed
 
 
 @dc.dataclass
@@ -66,38 +66,66 @@ def load_hand(path: str | Path) -> HandDescription:
             outside the description's folder.
     """
     path = Path(path)
-    if not path.is_file():
-        raise BadInput(f"no hand description at {path}")
-    try:
-        hand = yaml_load_typed(schema=HandDescription, filename=str(path))
-    except Exception as error:  # The parser raises many types; all mean a malformed file.
-        raise BadInput(f"{path} is not a hand description: {error}") from error
-    model = (path.parent / hand.model).resolve()
-    if not model.is_relative_to(path.parent.resolve()):
-        raise BadInput(f"{path}: model {hand.model!r} lies outside the description's folder")
-    if not model.is_file():
-        raise BadInput(f"{path}: no model file {hand.model!r} beside it")
-    hand.model = str(model)
-    _check(hand, path)
+    hand = load_typed(HandDescription, path)
+    problems = [*_finger_problems(hand), *_motor_problems(hand), *_vector_problems(hand)]
+    if problems:
+        raise BadInput(f"{path}: " + "; ".join(problems))
+    hand.model = str(_model_file(hand.model, path))
     return hand
 
 
-def _check(hand: HandDescription, path: Path) -> None:
+def _model_file(model: str, path: Path) -> Path:
+    """The model file beside the description; nothing outside its folder is touched."""
+    folder = path.parent.resolve()
+    if "\0" in model or Path(model).is_absolute():
+        raise BadInput(f"{path}: model {model!r} must be a path relative to the description")
+    file = (folder / model).resolve()
+    if not file.is_relative_to(folder):
+        raise BadInput(f"{path}: model {model!r} lies outside the description's folder")
+    if not file.is_file():
+        raise BadInput(f"{path}: no model file {model!r} beside it")
+    return file
+
+
+def _finger_problems(hand: HandDescription) -> list[str]:
     motors = {motor.joint for motor in hand.motors}
     problems = [
         f"finger {finger.name!r}: {text}"
         for finger in hand.fingers
         for wrong, text in (
-            (len(finger.links) != len(finger.joints), "as many links as joints are needed"),
             (not finger.links, "no links"),
+            (len(finger.links) != len(finger.joints), "as many links as joints are needed"),
             (finger.motor not in motors, f"motor {finger.motor!r} is not among the motors"),
-            (len(finger.p_pad) != 3 or len(finger.n_pad) != 3, "p_pad and n_pad need 3 values"),
+            (not _is_vector(finger.p_pad), "p_pad needs 3 finite values"),
+            (not _is_vector(finger.n_pad), "n_pad needs 3 finite values"),
         )
         if wrong
     ]
-    vectors = {"approach": hand.approach, "closing": hand.closing, "palm": hand.palm,
-               "along": hand.along, "tcps.power": hand.tcps.get("power", [])}
-    problems += [f"{name} needs 3 values" for name, v in vectors.items() if len(v) != 3]
-    problems += ["no fingers"] if not hand.fingers else []
-    if problems:
-        raise BadInput(f"{path}: " + "; ".join(problems))
+    return problems or ([] if hand.fingers else ["no fingers"])
+
+
+def _motor_problems(hand: HandDescription) -> list[str]:
+    return [
+        f"motor {motor.joint!r}: {name} is {value:g}, but must be positive and finite"
+        for motor in hand.motors
+        for name, value in (("closed_m", motor.closed_m), ("force_n", motor.force_n))
+        if not (math.isfinite(value) and value > 0.0)
+    ]
+
+
+def _vector_problems(hand: HandDescription) -> list[str]:
+    directions = {
+        "approach": hand.approach,
+        "closing": hand.closing,
+        "palm": hand.palm,
+        "along": hand.along,
+    }
+    points = {"power": [], **hand.tcps}
+    vectors = directions | {f"tcps.{name}": value for name, value in points.items()}
+    return [
+        f"{name} needs 3 finite values" for name, value in vectors.items() if not _is_vector(value)
+    ] + [f"{name} has no length" for name, value in directions.items() if value and not any(value)]
+
+
+def _is_vector(values: list[float]) -> bool:
+    return len(values) == 3 and all(math.isfinite(value) for value in values)
