@@ -24,6 +24,8 @@ class Cloud:
 
     p_WC: Array = field(default_factory=lambda: _empty(0, 3))  # (n, 3) points [m]
     p_WCamera: Array = field(default_factory=lambda: _empty(3))  # (3,) optical centre [m]
+    # (4, 3) inward unit normals of the planes that bound the view; empty where unknown
+    n_WFrustum: Array = field(default_factory=lambda: _empty(0, 3))
 
 
 @dataclass(frozen=True, eq=False)
