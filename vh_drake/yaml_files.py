@@ -10,6 +10,15 @@ from vh_drake.errors import BadInput
 
 LARGEST_BYTES = 1_000_000
 LARGEST_TOKENS = 20_000  # The ARMAR-6 hand has 460; the parser is pure Python.
+LARGEST_DEPTH = 32  # The parser's time grows with the square of the depth.
+
+_OPENING = (
+    yaml.BlockMappingStartToken,
+    yaml.BlockSequenceStartToken,
+    yaml.FlowMappingStartToken,
+    yaml.FlowSequenceStartToken,
+)
+_CLOSING = (yaml.BlockEndToken, yaml.FlowMappingEndToken, yaml.FlowSequenceEndToken)
 
 T = TypeVar("T")
 
@@ -54,11 +63,15 @@ def _read(path: Path, schema: type) -> str:
 
 
 def _check_tokens(text: str, path: Path) -> None:
+    depth = 0
     for count, token in enumerate(yaml.scan(text, Loader=yaml.SafeLoader)):
+        depth += isinstance(token, _OPENING) - isinstance(token, _CLOSING)
         if isinstance(token, yaml.AnchorToken | yaml.AliasToken):
             raise BadInput(f"{path}: anchors and aliases are not allowed; write the values out")
-        if count >= LARGEST_TOKENS:
-            raise BadInput(f"{path} has more than {LARGEST_TOKENS} YAML tokens")
+        if count >= LARGEST_TOKENS or depth > LARGEST_DEPTH:
+            raise BadInput(
+                f"{path} has more than {LARGEST_TOKENS} YAML tokens or {LARGEST_DEPTH} levels"
+            )
 
 
 def _parse(schema: type[T], text: str) -> T:

@@ -7,6 +7,8 @@ from pathlib import Path
 from vh_drake.errors import BadInput
 from vh_drake.yaml_files import load_typed
 
+MOST_PROBLEMS = 10  # That one message names.
+
 
 @dc.dataclass
 class Finger:
@@ -69,7 +71,7 @@ def load_hand(path: str | Path) -> HandDescription:
     hand = load_typed(HandDescription, path)
     problems = [*_finger_problems(hand), *_motor_problems(hand), *_vector_problems(hand)]
     if problems:
-        raise BadInput(f"{path}: " + "; ".join(problems))
+        raise BadInput(f"{path}: " + "; ".join(problems[:MOST_PROBLEMS]))
     hand.model = str(_model_file(hand.model, path))
     return hand
 
@@ -77,12 +79,17 @@ def load_hand(path: str | Path) -> HandDescription:
 def _model_file(model: str, path: Path) -> Path:
     """The model file beside the description; nothing outside its folder is touched."""
     folder = path.parent.resolve()
-    if "\0" in model or Path(model).is_absolute():
-        raise BadInput(f"{path}: model {model!r} must be a path relative to the description")
-    file = (folder / model).resolve()
-    if not file.is_relative_to(folder):
-        raise BadInput(f"{path}: model {model!r} lies outside the description's folder")
-    if not file.is_file():
+    try:
+        file = (folder / model).resolve()
+        inside, there = file.is_relative_to(folder), file.is_file()
+    except (OSError, ValueError) as error:  # Too long, or characters that no file has.
+        raise BadInput(f"{path}: {model[:80]!r} can't be the name of a model file") from error
+    if not inside or Path(model).is_absolute():
+        raise BadInput(
+            f"{path}: model {model!r} lies outside the description's folder or is absolute; "
+            "give a path relative to the description"
+        )
+    if not there:
         raise BadInput(f"{path}: no model file {model!r} beside it")
     return file
 
