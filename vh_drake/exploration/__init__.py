@@ -1,1 +1,1 @@
-"""Where to touch next, and the curve that leads there."""
+"""Next best touch: ratings, trajectories, and the plan that joins them."""

@@ -1,1 +1,1 @@
-"""Gaussian process implicit surfaces."""
+"""Gaussian process implicit surfaces: kernels, posterior, evidence, meshing."""

@@ -1,0 +1,171 @@
+r"""Posterior of a Gaussian process on values and gradients (section 3.2.2).
+
+.. math:: f^*(x) = k^{+*\top} w^+, \quad w^+ = (K^+ + \Sigma)^{-1} y^+
+
+.. math:: Q(x) = k(x, x) - k^{+*\top} (K^+ + \Sigma)^{-1} k^{+*}
+
+(eq. 3.34, 3.36 as corrected, 3.57), with Σ the diagonal of the noise variances, one for each
+observed value and gradient. Lengths are scaled by 0.1 m inside, so that values and gradients are
+of one magnitude; arguments and results are in metres.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+
+from vh_drake.errors import IllConditionedKernel
+from vh_drake.gpis.kernels import (
+    SQUARED_EXPONENTIAL,
+    Kernel,
+    covariance_matrix,
+    weighted_gradient,
+    weighted_potential,
+)
+from vh_drake.gpis.observations import Observations, require_usable
+from vh_drake.types import Array, IntArray
+
+SCALE_M = 0.1
+_JITTER = 1e-9  # of the signal's variance: keeps exact duplicates solvable
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """A fitted Gaussian process; `append` gives a new one."""
+
+    kernel: Kernel
+    observations: Observations
+    factor: Array  # (rows, rows) lower Cholesky factor of K⁺ + Σ, scaled
+    weights: Array  # (n, 4) of values and gradients, zero where no gradient was seen, scaled
+
+    def mean(self, p: Array) -> Array:
+        """Potential f (m,) at points (m, 3) [m]; negative inside."""
+        potential: Array = SCALE_M * weighted_potential(
+            *_scaled(self.kernel), np.ascontiguousarray(p / SCALE_M), self._centres(), self.weights
+        )
+        return potential
+
+    def gradient(self, p: Array) -> Array:
+        """∇f (m, 3) at points (m, 3)."""
+        gradient: Array = weighted_gradient(
+            *_scaled(self.kernel), np.ascontiguousarray(p / SCALE_M), self._centres(), self.weights
+        )
+        return gradient
+
+    def variance(self, p: Array) -> Array:
+        """Posterior variance of f (m,) at points (m, 3) [m²] (eq. 3.57)."""
+        points = np.ascontiguousarray(p / SCALE_M)
+        cross = _covariance(
+            self.kernel, self._centres(), self.observations.row_starts(), points, _values(points)
+        )
+        half = solve_triangular(self.factor, cross, lower=True, check_finite=False)
+        prior = (self.kernel.signal_std_m / SCALE_M) ** 2
+        variance: Array = SCALE_M**2 * np.maximum(prior - np.einsum("ij,ij->j", half, half), 0.0)
+        return variance
+
+    def mean_on_grid(self, x: Array, y: Array, z: Array) -> Array:
+        """Potential on the grid of coordinates x, y and z [m], (nx, ny, nz).
+
+        The squared exponential separates along the axes, which makes this one matrix product.
+        """
+        if self.kernel.code == SQUARED_EXPONENTIAL:
+            return self._mean_on_separable_grid(x, y, z)
+        nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
+        return self.mean(nodes.reshape(-1, 3)).reshape(nodes.shape[:3])
+
+    def append(self, observations: Observations) -> "Posterior":
+        """The posterior with more observations, by a block update of the factor in O(rows²)."""
+        require_usable(observations)
+        old, new = self._centres(), observations.p / SCALE_M
+        cross = _covariance(
+            self.kernel, old, self.observations.row_starts(), new, observations.row_starts()
+        )
+        side = solve_triangular(self.factor, cross, lower=True, check_finite=False)
+        corner = _cholesky(
+            _noisy_covariance(self.kernel, observations) - side.T @ side, self.kernel
+        )
+        rows, extra = len(self.factor), len(corner)
+        factor = np.zeros((rows + extra, rows + extra))
+        factor[:rows, :rows] = self.factor
+        factor[rows:, :rows] = side.T
+        factor[rows:, rows:] = corner
+        return _solved(self.kernel, self.observations.joined(observations), factor)
+
+    def _centres(self) -> Array:
+        return self.observations.p / SCALE_M
+
+    def _mean_on_separable_grid(self, x: Array, y: Array, z: Array) -> Array:
+        length = self.kernel.length_m / SCALE_M
+        signal2 = (self.kernel.signal_std_m / SCALE_M) ** 2
+        offsets = [
+            axis[:, None] / SCALE_M - centre for axis, centre in zip((x, y, z), self._centres().T)
+        ]
+        ex, ey, ez = (np.exp(-0.5 * (offset / length) ** 2) for offset in offsets)  # (nx, n), ...
+        slopes = self.weights[:, 1:] / length**2
+        along_x = ex * (self.weights[:, 0] + offsets[0] * slopes[:, 0])
+        in_plane = along_x[:, None] * ey + ex[:, None] * (ey * offsets[1] * slopes[:, 1])
+        out_of_plane = ex[:, None] * (ey * slopes[:, 2])
+        left = np.concatenate([in_plane, out_of_plane], axis=2)  # (nx, ny, 2n)
+        right = np.concatenate([ez, ez * offsets[2]], axis=1)  # (nz, 2n)
+        potential: Array = (SCALE_M * signal2) * (left @ right.T)
+        return potential
+
+
+def fit(kernel: Kernel, observations: Observations) -> Posterior:
+    """Condition a Gaussian process on observations.
+
+    Raises:
+        BadInput: nothing observed, or not finite.
+        IllConditionedKernel: the covariance matrix is not positive definite.
+    """
+    require_usable(observations)
+    factor = _cholesky(_noisy_covariance(kernel, observations), kernel)
+    return _solved(kernel, observations, factor)
+
+
+def _solved(kernel: Kernel, observations: Observations, factor: Array) -> Posterior:
+    y = observations.stacked(observations.value / SCALE_M, observations.gradient)
+    solution = cho_solve((factor, True), y, check_finite=False)  # w⁺, eq. 3.34
+    weights = np.zeros((len(observations), 4))
+    seen = observations.has_gradient
+    starts = observations.row_starts()[:-1]
+    weights[:, 0] = solution[starts]
+    for m in range(3):
+        weights[seen, 1 + m] = solution[starts[seen] + 1 + m]
+    return Posterior(kernel, observations, factor, weights)
+
+
+def _noisy_covariance(kernel: Kernel, observations: Observations) -> Array:
+    points, starts = observations.p / SCALE_M, observations.row_starts()
+    K = _covariance(kernel, points, starts, points, starts)
+    variance = observations.value_variance / SCALE_M**2
+    repeated = np.repeat(observations.gradient_variance[:, None], 3, axis=1)
+    jitter = _JITTER * (kernel.signal_std_m / SCALE_M) ** 2
+    K[np.diag_indices_from(K)] += observations.stacked(variance, repeated) + jitter
+    return K
+
+
+def _covariance(kernel: Kernel, p: Array, start_p: IntArray, q: Array, start_q: IntArray) -> Array:
+    K: Array = covariance_matrix(*_scaled(kernel), p, start_p, q, start_q)
+    return K
+
+
+def _scaled(kernel: Kernel) -> tuple[int, float, float]:
+    return kernel.code, kernel.length_m / SCALE_M, (kernel.signal_std_m / SCALE_M) ** 2
+
+
+def _values(points: Array) -> IntArray:
+    return np.arange(len(points) + 1, dtype=np.int64)
+
+
+def _cholesky(K: Array, kernel: Kernel) -> Array:
+    try:
+        factor: Array = cholesky(K, lower=True, check_finite=False)
+    except np.linalg.LinAlgError as error:
+        raise IllConditionedKernel(
+            f"kernel matrix of {len(K)} rows is not positive definite (length_m="
+            f"{kernel.length_m:g}); raise the noise variances, drop duplicate points, shorten a "
+            "squared exponential's length, or widen a thin plate's radius to 1.2 times the "
+            "largest distance between points"
+        ) from error
+    return factor
