@@ -1,0 +1,257 @@
+"""Compiled arithmetic of the arm: kinematics, the three Cartesian controllers, their rollout.
+
+All of it stands in one file, since numba's cache notices changes of a kernel's own file only.
+The modules beside it say what each part means and check what comes in.
+"""
+
+import numpy as np
+from numba import njit
+
+from vh_drake.types import Array
+
+SINGULAR_VALUE_FLOOR = 1e-9  # directions below count as not reachable at all
+
+
+@njit(cache=True)
+def axis_rotation(axis: Array, angle: float) -> Array:
+    """Rodrigues' formula for a unit axis (3,)."""
+    x, y, z = axis
+    s, c = np.sin(angle), np.cos(angle)
+    d = 1.0 - c
+    return np.array(
+        [
+            [c + x * x * d, x * y * d - z * s, x * z * d + y * s],
+            [y * x * d + z * s, c + y * y * d, y * z * d - x * s],
+            [z * x * d - y * s, z * y * d + x * s, c + z * z * d],
+        ]
+    )
+
+
+@njit(cache=True)
+def rotation_vector(R: Array) -> Array:
+    """Axis times angle in 0..pi, by way of the quaternion (Shepperd 1978)."""
+    diagonal = np.array([R[0, 0], R[1, 1], R[2, 2], R[0, 0] + R[1, 1] + R[2, 2]])
+    i = int(np.argmax(diagonal))
+    quaternion = np.empty(4)  # x y z w, up to scale
+    if i == 3:
+        quaternion[0] = R[2, 1] - R[1, 2]
+        quaternion[1] = R[0, 2] - R[2, 0]
+        quaternion[2] = R[1, 0] - R[0, 1]
+        quaternion[3] = 1.0 + diagonal[3]
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        quaternion[i] = 1.0 + 2.0 * R[i, i] - diagonal[3]
+        quaternion[j] = R[j, i] + R[i, j]
+        quaternion[k] = R[k, i] + R[i, k]
+        quaternion[3] = R[k, j] - R[j, k]
+    if quaternion[3] < 0.0:
+        quaternion = -quaternion
+    sine = np.sqrt(np.sum(quaternion[:3] ** 2))
+    if sine < 1e-15:
+        return np.zeros(3)
+    return quaternion[:3] * (2.0 * np.arctan2(sine, quaternion[3]) / sine)
+
+
+@njit(cache=True)
+def cross(a: Array, b: Array) -> Array:
+    """Vector product of (3,) arrays."""
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+@njit(cache=True)
+def forward(axes: Array, points: Array, X_WH0: Array, q: Array) -> tuple[Array, Array]:
+    """Hand pose (4, 4) and geometric Jacobian (6, n) from world screw axes at q = 0.
+
+    Joint i turns about axes[i] (n, 3) through points[i] (n, 3); X_WH0 is the pose at q = 0.
+    """
+    n = len(q)
+    R, p = np.eye(3), np.zeros(3)
+    axes_now, points_now = np.empty((n, 3)), np.empty((n, 3))
+    for i in range(n):
+        axes_now[i] = R @ axes[i]
+        points_now[i] = R @ points[i] + p
+        R = R @ axis_rotation(axes[i], q[i])
+        p = points_now[i] - R @ points[i]
+    X = np.eye(4)
+    X[:3, :3] = R @ np.ascontiguousarray(X_WH0[:3, :3])
+    X[:3, 3] = R @ np.ascontiguousarray(X_WH0[:3, 3]) + p
+    J = np.empty((6, n))
+    for i in range(n):
+        J[:3, i] = axes_now[i]
+        J[3:, i] = cross(axes_now[i], X[:3, 3] - points_now[i])
+    return X, J
+
+
+@njit(cache=True)
+def pose_error(X_target: Array, X: Array) -> Array:
+    """Rotation vector and translation (6,) that lead from X to X_target, in W."""
+    error = np.empty(6)
+    R = np.ascontiguousarray(X_target[:3, :3]) @ np.ascontiguousarray(X[:3, :3].T)
+    error[:3] = rotation_vector(R)
+    error[3:] = X_target[:3, 3] - X[:3, 3]
+    return error
+
+
+@njit(cache=True)
+def norm(x: Array) -> float:
+    """Euclidean length."""
+    return np.sqrt(np.sum(x * x))
+
+
+@njit(cache=True)
+def bounded_velocity(error: Array, gain: float, max_angular: float, max_linear: float) -> Array:
+    """Spatial velocity (6,) along the error, both its parts within their bounds."""
+    scale = gain
+    angle, distance = norm(error[:3]), norm(error[3:])
+    if angle * scale > max_angular:
+        scale = max_angular / angle
+    if distance * scale > max_linear:
+        scale = max_linear / distance
+    return error * scale
+
+
+@njit(cache=True)
+def damped_inverse_product(J: Array, velocity: Array, threshold: float) -> Array:
+    """J^+ velocity, damped along singular directions weaker than `threshold`."""
+    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    components = U.T @ velocity
+    for i in range(len(s)):
+        damping = 0.0
+        if s[i] < threshold:
+            damping = (threshold - s[i]) * (threshold + s[i])
+        components[i] *= s[i] / max(s[i] * s[i] + damping, SINGULAR_VALUE_FLOOR)
+    return Vt.T @ components
+
+
+@njit(cache=True)
+def scale_to_limits(joint_velocity: Array, velocity_limits: Array) -> Array:
+    """The same direction in joint space, no joint faster than its limit."""
+    return joint_velocity / max(1.0, np.max(np.abs(joint_velocity) / velocity_limits))
+
+
+@njit(cache=True)
+def null_space_basis(J: Array, tolerance: float) -> Array:
+    """Orthonormal columns (n, k) that J maps to zero."""
+    _, s, Vt = np.linalg.svd(J, full_matrices=True)
+    rank = np.sum(s > tolerance * s[0])
+    return np.ascontiguousarray(Vt[rank:].T)
+
+
+@njit(cache=True)
+def limit_avoidance(q: Array, lower: Array, upper: Array) -> Array:
+    """Equation 4.5."""
+    return np.cos(np.pi * (q - lower) / (upper - lower))
+
+
+@njit(cache=True)
+def null_space_velocity(J: Array, q: Array, lower: Array, upper: Array, tolerance: float) -> Array:
+    """Equation 4.6 with an orthonormal basis."""
+    N = null_space_basis(J, tolerance)
+    return N @ (N.T @ limit_avoidance(q, lower, upper))
+
+
+@njit(cache=True)
+def largest_share(base: Array, addition: Array, velocity_limits: Array) -> float:
+    """The largest share in 0..1 of `addition` that keeps the sum within the limits."""
+    share = 1.0
+    for i in range(len(base)):
+        room = velocity_limits[i] - base[i] * np.sign(addition[i])
+        if np.abs(addition[i]) * share > room:
+            share = max(room, 0.0) / np.abs(addition[i])
+    return share
+
+
+@njit(cache=True)
+def control_step(
+    J: Array, error: Array, q: Array, limits: Array, bounds: Array, gains: Array
+) -> Array:
+    """Joint velocities (n,) of the three controllers in a row.
+
+    limits (3, n): lower, upper, velocity. bounds: angular, linear.
+    gains: position gain, singular threshold, p_N, rank tolerance.
+    """
+    velocity = bounded_velocity(error, gains[0], bounds[0], bounds[1])
+    joint_velocity = scale_to_limits(damped_inverse_product(J, velocity, gains[1]), limits[2])
+    addition = gains[2] * null_space_velocity(J, q, limits[0], limits[1], gains[3])
+    return joint_velocity + largest_share(joint_velocity, addition, limits[2]) * addition
+
+
+@njit(cache=True)
+def roll_to_pose(
+    axes: Array,
+    points: Array,
+    X_WH0: Array,
+    X_target: Array,
+    limits: Array,
+    bounds: Array,
+    gains: Array,
+    tolerances: Array,
+    dt: float,
+    path: Array,
+    start: int,
+) -> tuple[int, bool, bool]:
+    """Follow the controllers from path[start] to one pose; fills `path` (m, n).
+
+    tolerances: angle [rad], position [m], patience [s] without progress.
+
+    Returns:
+        The index of the last filled row, whether the pose was reached, whether a limit held
+        a joint back.
+    """
+    best, best_row, limit_hit = np.inf, start, False
+    row = start
+    while True:
+        X, J = forward(axes, points, X_WH0, path[row])
+        error = pose_error(X_target, X)
+        angle, distance = norm(error[:3]), norm(error[3:])
+        if angle <= tolerances[0] and distance <= tolerances[1]:
+            return row, True, limit_hit
+        remaining = max(angle / tolerances[0], distance / tolerances[1])
+        if remaining < 0.99 * best:
+            best, best_row = remaining, row
+        if row + 1 == len(path) or (row - best_row) * dt > tolerances[2]:
+            return row, False, limit_hit
+        wanted = path[row] + dt * control_step(J, error, path[row], limits, bounds, gains)
+        row += 1
+        path[row] = np.minimum(np.maximum(wanted, limits[0]), limits[1])
+        limit_hit = limit_hit or np.any(path[row] != wanted)
+
+
+@njit(cache=True)
+def refine_ik(
+    axes: Array,
+    points: Array,
+    X_WH0: Array,
+    X_target: Array,
+    q: Array,
+    limits: Array,
+    tolerances: Array,
+    steps: int,
+) -> tuple[Array, bool]:
+    """Damped least squares from q within the joint limits, joints drawn to their middles.
+
+    tolerances: angle [rad], position [m]. A seed that stops improving is given up early.
+    """
+    n = len(q)
+    middle, span = 0.5 * (limits[0] + limits[1]), limits[1] - limits[0]
+    best, since = np.inf, 0
+    for _ in range(steps):
+        X, J = forward(axes, points, X_WH0, q)
+        error = pose_error(X_target, X)
+        if norm(error[:3]) <= tolerances[0] and norm(error[3:]) <= tolerances[1]:
+            return q, True
+        size = norm(error[:3]) + 3.0 * norm(error[3:])
+        if size < 0.95 * best:
+            best, since = size, 0
+        since += 1
+        if since > 12:
+            break
+        error *= min(1.0, 0.8 / size)
+        damping = 1e-5 + 1e-3 * min(size, 1.0)
+        pull = 0.3 * (middle - q) / span
+        inverse = np.linalg.inv(J @ J.T + damping * np.eye(6))
+        q = q + pull + J.T @ (inverse @ (error - J @ pull))
+        q = np.minimum(np.maximum(q, limits[0]), limits[1])
+    return q, False

@@ -1,0 +1,159 @@
+"""Kinematics of one arm of ARMAR-6: pose and Jacobian of the hand, limits, gravity torques."""
+
+from typing import Literal
+
+import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Frame, RevoluteJoint, SpatialInertia
+
+from vh_drake.control import kernels
+from vh_drake.errors import UnknownName
+from vh_drake.geometry.robot_model import add_armar6
+from vh_drake.types import Array
+
+Side = Literal["right", "left"]
+
+JOINT_STEMS = ("t12", "t23", "t34", "t45", "t56", "t67", "t78", "t8")
+SUFFIX: dict[Side, str] = {"right": "r1", "left": "r0"}
+TORSO_JOINT = "torso_joint"
+
+TORSO_POSITION_M = -0.1
+HOME_RIGHT = np.array([0.0, 0.0, 0.3, np.pi, 1.5, np.pi, 0.0, 0.0])
+
+HAND_MASS_KG = 0.985765
+HAND_COM_H = (0.015, 0.0, -0.025)  # p_HHcm [m]
+
+
+def arm_joint_names(side: Side) -> list[str]:
+    """The eight joints from the clavicle to the hand."""
+    if side not in SUFFIX:
+        raise UnknownName("arm", side, list(SUFFIX))
+    return [f"arm_{stem}_joint_{SUFFIX[side]}" for stem in JOINT_STEMS]
+
+
+def mirrored(q: Array) -> Array:
+    """The configuration (8,) of the other arm that mirrors q at the robot's x-z plane."""
+    signs = np.array([-1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
+    offset = np.zeros(8)
+    offset[JOINT_STEMS.index("t45")] = np.pi
+    return signs * q + offset
+
+
+def home_configuration(side: Side) -> Array:
+    """Joint positions (8,) [rad] from which the arm starts."""
+    arm_joint_names(side)
+    return HOME_RIGHT.copy() if side == "right" else mirrored(HOME_RIGHT)
+
+
+class ArmKinematics:
+    r"""One arm on a robot whose torso and other arm stand still.
+
+    The hand pose is the product of exponentials of the joints' screws, read once from
+    the robot model at q = 0 (Lynch and Park 2017, eq. 4.14), the Jacobian holds the
+    screws where the joints have carried them (eq. 5.11):
+
+    .. math:: X_{WH} = e^{[S_1] q_1} \cdots e^{[S_8] q_8} X_{WH}(0)
+
+    Args:
+        side: "right" or "left".
+        torso_position_m: position of the torso joint, -0.365 (low) to 0 (high).
+        payload_kg: what the hand carries besides itself, for the gravity torques.
+        p_HPayload: centre of mass of the payload in the hand frame (3,) [m].
+    """
+
+    def __init__(
+        self,
+        side: Side = "right",
+        *,
+        torso_position_m: float = TORSO_POSITION_M,
+        payload_kg: float = 0.0,
+        p_HPayload: tuple[float, float, float] = (-0.03, 0.0, 0.0),
+    ) -> None:
+        self.side: Side = side
+        self.joint_names = arm_joint_names(side)
+        self.torso_position_m = torso_position_m
+        self._plant = _arm_plant(side, torso_position_m, payload_kg, p_HPayload)
+        self._context = self._plant.CreateDefaultContext()
+        joints = [self._plant.GetJointByName(name) for name in self.joint_names]
+        self.lower = np.array([joint.position_lower_limit() for joint in joints])  # (8,) [rad]
+        self.upper = np.array([joint.position_upper_limit() for joint in joints])  # (8,) [rad]
+        self.velocity_limits = np.array([joint.velocity_upper_limit() for joint in joints])
+        self.home = home_configuration(side)  # (8,) [rad]
+        self._axes, self._points, self._X_WH0 = self._screws_at_zero(joints)
+
+    def pose(self, q: Array) -> Array:
+        """X_WH (4, 4) of the hand frame at joint positions q (8,)."""
+        return self.pose_and_jacobian(q)[0]
+
+    def jacobian(self, q: Array) -> Array:
+        """J (6, 8): joint velocities to angular, then linear velocity of H in W."""
+        return self.pose_and_jacobian(q)[1]
+
+    def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
+        """Both at once, for the price of one."""
+        X_WH, J = kernels.forward(*self.screws, np.ascontiguousarray(q, dtype=float))
+        return X_WH, J
+
+    def gravity_torques(self, q: Array) -> Array:
+        """Joint torques (8,) [N m] that hold arm, hand and payload still at q (8,)."""
+        self._plant.SetPositions(self._context, q)
+        torques: Array = -self._plant.CalcGravityGeneralizedForces(self._context)
+        return torques
+
+    def clamped(self, q: Array) -> Array:
+        """The nearest joint positions (8,) within the limits."""
+        return np.clip(q, self.lower, self.upper)
+
+    @property
+    def screws(self) -> tuple[Array, Array, Array]:
+        """Axes (8, 3), points (8, 3) [m] and the hand pose (4, 4) at q = 0, in W."""
+        return self._axes, self._points, self._X_WH0
+
+    @property
+    def limits(self) -> Array:
+        """Rows: lower, upper [rad], velocity [rad/s]; (3, 8)."""
+        return np.stack([self.lower, self.upper, self.velocity_limits])
+
+    def _screws_at_zero(self, joints: list[RevoluteJoint]) -> tuple[Array, Array, Array]:
+        context = self._plant.CreateDefaultContext()
+        self._plant.SetPositions(context, np.zeros(len(joints)))
+        frames = [joint.frame_on_parent().CalcPoseInWorld(context) for joint in joints]
+        axes = [
+            X.rotation() @ joint.revolute_axis() for X, joint in zip(frames, joints, strict=True)
+        ]
+        hand = self._plant.GetFrameByName(f"hand_fixed_{SUFFIX[self.side]}")
+        X_WH0 = hand.CalcPoseInWorld(context).GetAsMatrix4()
+        return np.array(axes), np.array([X.translation() for X in frames]), X_WH0
+
+
+def _arm_plant(
+    side: Side,
+    torso_position_m: float,
+    payload_kg: float,
+    p_HPayload: tuple[float, float, float],
+) -> MultibodyPlant:
+    """The arm alone, with the masses of hand and payload at its end."""
+    other: Side = "left" if side == "right" else "right"
+    fixed = dict(zip(arm_joint_names(other), home_configuration(other), strict=True))
+    plant = MultibodyPlant(0.0)
+    add_armar6(plant, fixed_joints=fixed | {TORSO_JOINT: torso_position_m}, visuals=False)
+    hand = plant.GetFrameByName(f"hand_fixed_{SUFFIX[side]}")
+    _weld_ball(plant, hand, "hand", HAND_MASS_KG, HAND_COM_H)
+    if payload_kg > 0.0:
+        _weld_ball(plant, hand, "payload", payload_kg, p_HPayload)
+    plant.Finalize()
+    return plant
+
+
+def _weld_ball(
+    plant: MultibodyPlant,
+    frame: Frame,
+    name: str,
+    mass_kg: float,
+    p_FBall: tuple[float, float, float],
+) -> None:
+    """A mass whose weight matters and whose shape does not."""
+    inertia = SpatialInertia.SolidSphereWithMass(mass_kg, 0.05)
+    ball = plant.AddRigidBody(name, frame.model_instance(), inertia)
+    plant.WeldFrames(frame, ball.body_frame(), RigidTransform(np.array(p_FBall)))

@@ -1,0 +1,69 @@
+"""Null-space control: the arm's spare joints keep it away from its joint limits."""
+
+import numpy as np
+
+from vh_drake.control import kernels
+from vh_drake.types import Array
+
+GAIN = 1.5  # p_N of equation 4.7; the thesis names 1 to 2
+RANK_TOLERANCE = 1e-6
+
+
+def null_space_basis(jacobian: Array) -> Array:
+    r"""Orthonormal N (n, k) with J N = 0 (eq. 4.3 and 4.4), by singular values.
+
+    k is n - 6 for an arm away from singular postures and more in them.
+    """
+    N: Array = kernels.null_space_basis(_contiguous(jacobian), RANK_TOLERANCE)
+    return N
+
+
+def limit_avoidance(q: Array, lower: Array, upper: Array) -> Array:
+    r"""Velocities (n,) [rad/s] away from the joint limits (eq. 4.5).
+
+    .. math:: \dot\theta^a_i = \cos(\pi (\theta_i - \theta^-_i) / (\theta^+_i - \theta^-_i))
+
+    1 at the lower limit, 0 in the middle, -1 at the upper limit.
+    """
+    avoidance: Array = kernels.limit_avoidance(q, lower, upper)
+    return avoidance
+
+
+def null_space_velocity(jacobian: Array, q: Array, lower: Array, upper: Array) -> Array:
+    r"""The part of the limit avoidance that leaves the hand still (n,) (eq. 4.6).
+
+    .. math:: \dot\theta^N = \sum_j N_j \, (N_j \cdot \dot\theta^a) / |N_j|^2
+
+    The sum holds for orthogonal columns N_j; they are orthonormal here.
+    """
+    velocity: Array = kernels.null_space_velocity(
+        _contiguous(jacobian), _contiguous(q), lower, upper, RANK_TOLERANCE
+    )
+    return velocity
+
+
+def add_null_space_velocity(
+    joint_velocity: Array,
+    jacobian: Array,
+    q: Array,
+    *,
+    lower: Array,
+    upper: Array,
+    velocity_limits: Array,
+    gain: float = GAIN,
+) -> Array:
+    r"""Joint velocities with limit avoidance added (n,) [rad/s] (eq. 4.7).
+
+    .. math:: \dot\theta' = \dot\theta + p_N \dot\theta^N
+
+    Where the sum would exceed a velocity limit only the addition shrinks, since the hand's
+    own motion goes first.
+    """
+    addition = gain * null_space_velocity(jacobian, q, lower, upper)
+    base = _contiguous(joint_velocity)
+    total: Array = base + addition * kernels.largest_share(base, addition, velocity_limits)
+    return total
+
+
+def _contiguous(array: Array) -> Array:
+    return np.ascontiguousarray(array, dtype=float)
