@@ -1,0 +1,100 @@
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+from vh_drake import cli
+from vh_drake.errors import BadInput, NothingSeen, UnknownName
+from vh_drake.scenes import doctor
+from vh_drake.scenes.doctor import Check
+
+
+def run(monkeypatch, *arguments: str) -> int:
+    """Exit status of the command line in this process."""
+    monkeypatch.setattr(sys, "argv", ["vh-drake", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+def raising(error: BaseException):
+    """A check list that raises when it is asked for."""
+
+    def examine():
+        raise error
+
+    return examine
+
+
+def test_help_answers_at_once_and_lists_the_commands():
+    start_s = time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-m", "vh_drake", "--help"], capture_output=True, text=True, check=True
+    )
+    assert "doctor" in done.stdout
+    assert time.perf_counter() - start_s < 5.0  # 0.3 s on an idle machine.
+
+
+def test_heavy_modules_are_not_loaded_by_the_command_line():
+    code = (
+        "import sys, vh_drake.cli; "
+        "print([m for m in ('pydrake', 'torch', 'open3d', 'numba') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_version_is_printed(monkeypatch, capsys):
+    assert run(monkeypatch, "--version") == 0
+    assert capsys.readouterr().out.startswith("vh_drake 0.")
+
+
+def test_a_healthy_machine_gives_status_0(monkeypatch, capsys):
+    monkeypatch.setattr(doctor, "CHECKS", (lambda: Check("Moon", True, "full"),))
+    assert run(monkeypatch, "doctor") == 0
+    assert "full" in capsys.readouterr().out
+
+
+def test_a_failed_check_gives_status_1_and_its_remedy(monkeypatch, capsys):
+    monkeypatch.setattr(doctor, "CHECKS", (lambda: Check("Moon", False, "new", "wait [14 days]"),))
+    assert run(monkeypatch, "doctor") == 1
+    assert "[14 days]" in capsys.readouterr().out
+
+
+def test_json_is_all_that_stands_on_standard_output(monkeypatch, capsys):
+    monkeypatch.setattr(doctor, "CHECKS", (lambda: Check("Moon", True, "full"),))
+    assert run(monkeypatch, "doctor", "--json") == 0
+    assert json.loads(capsys.readouterr().out) == [
+        {"name": "Moon", "ok": True, "found": "full", "remedy": ""}
+    ]
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [
+        (BadInput("mug.obj has no triangles; export it again"), 2),
+        (UnknownName("object", "mugg", ["mug"]), 2),
+        (NothingSeen("no table in view"), 1),
+        (OSError(28, "No space left on device", "out/result.json"), 1),
+    ],
+)
+def test_an_error_is_one_message_on_standard_error_without_a_traceback(
+    monkeypatch, capsys, error, status
+):
+    monkeypatch.setattr(doctor, "examine", raising(error))
+    assert run(monkeypatch, "doctor") == status
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err == f"vh-drake: {error}\n"
+
+
+def test_an_interrupt_gives_status_130(monkeypatch):
+    monkeypatch.setattr(doctor, "examine", raising(KeyboardInterrupt()))
+    assert run(monkeypatch, "doctor") == 130
+
+
+@pytest.mark.parametrize("arguments", [["nonsense"], ["doctor", "--nonsense"]])
+def test_unknown_arguments_give_status_2(monkeypatch, arguments):
+    assert run(monkeypatch, *arguments) == 2

@@ -1,0 +1,99 @@
+"""The command line: parses, calls one library function, prints.
+
+Heavy modules are imported inside the commands, so that `--help` answers at once.
+"""
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from vh_drake.errors import BadInput, VhDrakeError
+
+FAILED = 1  # The job ran and failed its aim.
+UNUSABLE_INPUT = 2
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="vh-drake",
+    help="Visuo-haptic grasping of unknown objects with ARMAR-6.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print the result alone, as JSON, on standard output.")
+]
+
+
+def main() -> None:
+    """Runs the command line; ends the process with the status of what happened."""
+    try:
+        app()
+    except VhDrakeError as error:
+        _fail(error, UNUSABLE_INPUT if isinstance(error, BadInput) else FAILED)
+    except OSError as error:  # A full disk, a folder that may not be written.
+        _fail(error, FAILED)
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+
+
+def _fail(error: Exception, status: int) -> None:
+    print(f"vh-drake: {error}", file=sys.stderr)
+    sys.exit(status)
+
+
+def print_result(
+    rows: Sequence[Mapping[str, Any]], *, as_json: bool, columns: Sequence[str]
+) -> None:
+    """Prints rows as JSON, or as a table of the named columns."""
+    if as_json:
+        print(json.dumps(list(rows), indent=2))
+        return
+    table = Table(*columns)
+    for row in rows:
+        table.add_row(*(escape(str(row[column])) for column in columns))
+    Console().print(table)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"vh_drake {version('vh_drake')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    show_version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Visuo-haptic grasping of unknown objects with ARMAR-6."""
+
+
+@app.command()
+def doctor(as_json: JsonOption = False) -> None:
+    """Check what a grasp needs of this machine, and name the remedy of each failure."""
+    from dataclasses import asdict
+
+    from vh_drake.scenes.doctor import examine
+
+    checks = examine()
+    rows = [asdict(check) | {"ok": check.ok if as_json else _mark(check.ok)} for check in checks]
+    print_result(rows, as_json=as_json, columns=("name", "ok", "found", "remedy"))
+    if not all(check.ok for check in checks):
+        raise typer.Exit(FAILED)
+
+
+def _mark(ok: bool) -> str:
+    return "yes" if ok else "NO"
