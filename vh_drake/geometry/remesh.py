@@ -1,0 +1,64 @@
+"""Surfaces from signed distance fields: the last resort of repair, and of shape design."""
+
+import fast_simplification
+import numpy as np
+from skimage.measure import marching_cubes
+
+from vh_drake.errors import BadInput
+from vh_drake.geometry.meshes import TriMesh
+from vh_drake.geometry.signed_distance import grid_around, unsigned_distance_nodes, winding_nodes
+from vh_drake.types import Array, ScalarGrid
+
+_SOLID_SHARE = 0.02  # of the hull: a smaller enclosed volume is a sheet, not a solid
+_PADDING_CELLS = 4
+
+
+def extract_surface(grid: ScalarGrid, *, level: float = 0.0) -> TriMesh:
+    """Watertight surface where a field, negative inside, takes a level.
+
+    Raises:
+        BadInput: the field never takes the level.
+    """
+    values = np.pad(grid.values, 1, constant_values=abs(grid.values).max() + abs(level) + 1e-9)
+    if not values.min() < level:
+        raise BadInput("the solid is thinner than the grid; use a smaller spacing")
+    vertices, faces, _, _ = marching_cubes(values, level)
+    positions = grid.origin + grid.spacing * (vertices.astype(np.float64) - 1)
+    mesh = TriMesh(positions, faces.astype(np.int64))
+    return mesh if mesh.volume > 0 else mesh.flipped()
+
+
+def remesh_solid(mesh: TriMesh, *, nodes: int) -> tuple[TriMesh, str]:
+    """Watertight surface around any triangles, and a sentence on how it was made.
+
+    Where the triangles wrap a volume, it is the solid's surface; else a shell of a cell and
+    a half to each side of them.
+
+    Args:
+        mesh: Open, self-crossing or non-manifold.
+        nodes: Grid nodes along the longest side.
+    """
+    spacing = float(mesh.extents.max()) / (nodes - 1 - 2 * _PADDING_CELLS)
+    origin, shape = grid_around(mesh, spacing=spacing, padding=_PADDING_CELLS * spacing)
+    triangles = (mesh.triangles - origin) / spacing
+    distance = unsigned_distance_nodes(triangles, shape) * spacing
+    inside = winding_nodes(triangles, shape) >= 0.5
+    if inside.sum() * spacing**3 > _SOLID_SHARE * np.prod(np.maximum(mesh.extents, spacing)):
+        surface = extract_surface(
+            ScalarGrid(origin, spacing, np.where(inside, -distance, distance))
+        )
+        return surface, f"Rebuilt the open surface on a grid of {spacing * 1e3:.1f} mm."
+    surface = extract_surface(ScalarGrid(origin, spacing, distance), level=1.5 * spacing)
+    return surface, f"Thickened the open sheet to {3e3 * spacing:.1f} mm."
+
+
+def simplify(mesh: TriMesh, triangles: int, *, aggressiveness: float = 5.0) -> TriMesh:
+    """Collapse edges until about so many triangles are left (quadric errors)."""
+    if len(mesh.faces) <= triangles:
+        return mesh
+    scale = mesh.diagonal  # the library works in single precision
+    points: Array = ((mesh.vertices - mesh.bounds[0]) / scale).astype(np.float32)
+    vertices, faces = fast_simplification.simplify(
+        points, mesh.faces.astype(np.int32), target_count=triangles, agg=aggressiveness
+    )
+    return TriMesh(vertices.astype(np.float64) * scale + mesh.bounds[0], faces.astype(np.int64))
