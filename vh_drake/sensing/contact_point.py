@@ -1,0 +1,142 @@
+r"""Where on the hand a force acts, and how the object's surface stands there.
+
+The thesis infers the place of a contact "from the model of the hand" (section 4.5.3). Here
+the torque helps: a force F at p gives :math:`\tau = p \times F`, so p lies on a line along F;
+of the points on the hand's skin the one is taken that minimises
+
+.. math:: \frac{\|\tau - p \times F\|^2}{\sigma_\tau^2 + \|p\|^2 \sigma_F^2}
+          + \frac{\|p - \bar p\|^2}{\sigma_p^2}
+
+over candidates whose skin faces the force, with the expected place :math:`\bar p` as prior.
+"""
+
+import dataclasses as dc
+
+import numpy as np
+
+from vh_drake.errors import BadInput
+from vh_drake.types import Array
+
+
+@dc.dataclass(frozen=True, eq=False)
+class Skin:
+    """Points of the hand that may touch, in H, for the finger posture of the touch."""
+
+    p_H: Array  # (n, 3) [m]
+    n_H: Array  # (n, 3) outward unit normals of the hand
+    p_HExpected: Array  # (3,) where contact is expected [m]
+
+    def __post_init__(self) -> None:
+        if self.p_H.ndim != 2 or self.p_H.shape != self.n_H.shape or len(self.p_H) == 0:
+            raise BadInput(
+                f"points {self.p_H.shape} and normals {self.n_H.shape} of the hand's skin must "
+                "be (n, 3), n > 0"
+            )
+
+
+def pad_skin(
+    p_HPad: Array, n_HPad: Array, *, radius_m: float = 0.008, spacing_m: float = 0.002
+) -> Skin:
+    """A flat round patch about each pad; the first pad is where contact is expected.
+
+    Args:
+        p_HPad: (k, 3) middles of the pads in H [m].
+        n_HPad: (k, 3) their outward normals.
+        radius_m: of the patches [m].
+        spacing_m: of the points [m].
+    """
+    p_HPad, n_HPad = np.atleast_2d(p_HPad), np.atleast_2d(n_HPad)
+    steps = np.arange(-radius_m, radius_m + spacing_m / 2, spacing_m)
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    grid = grid[np.linalg.norm(grid, axis=1) <= radius_m + 1e-9]
+    points, normals = [], []
+    for p, n in zip(p_HPad, n_HPad, strict=True):
+        unit = n / np.linalg.norm(n)
+        _, _, rows = np.linalg.svd(unit[None])
+        points.append(p + grid @ rows[1:])
+        normals.append(np.tile(unit, (len(grid), 1)))
+    return Skin(np.concatenate(points), np.concatenate(normals), p_HPad[0].copy())
+
+
+def capsule_skin(p_HA: Array, p_HB: Array, radius_m: float, *, spacing_m: float = 0.003) -> Skin:
+    """The skin of a finger link from A to B, with the round end at B, where contact is expected.
+
+    Args:
+        p_HA: (3,) start of the capsule's axis in H [m].
+        p_HB: (3,) its end [m].
+        radius_m: of the capsule [m].
+        spacing_m: of the points [m].
+    """
+    axis = np.asarray(p_HB, dtype=float) - p_HA
+    length = float(np.linalg.norm(axis))
+    _, _, rows = np.linalg.svd(axis[None] / length)
+    number = max(8, round(2.0 * np.pi * radius_m / spacing_m))
+    angles = np.linspace(0.0, 2.0 * np.pi, number, endpoint=False)
+    rim = np.outer(np.cos(angles), rows[1]) + np.outer(np.sin(angles), rows[2])
+    points, normals = [], []
+    for s in np.linspace(0.0, 1.0, max(2, round(length / spacing_m) + 1)):
+        points.append(p_HA + s * axis + radius_m * rim)
+        normals.append(rim)
+    rings = max(3, round(0.5 * np.pi * radius_m / spacing_m) + 1)
+    for polar in np.linspace(0.0, 0.5 * np.pi, rings)[1:]:
+        cap = np.cos(polar) * rim + np.sin(polar) * axis / length
+        points.append(p_HB + radius_m * cap)
+        normals.append(cap)
+    expected = np.asarray(p_HB, dtype=float).copy()
+    return Skin(np.concatenate(points), np.concatenate(normals), expected)
+
+
+def contact_point(
+    skin: Skin,
+    wrench_H: Array,
+    *,
+    force_std_n: float,
+    torque_std_nm: float,
+    prior_std_m: float = 0.02,
+) -> tuple[Array, Array]:
+    """The likeliest contact on the skin.
+
+    Args:
+        skin: candidates.
+        wrench_H: (6,) [N m; N] that acts on the hand from outside, about Ho in H.
+        force_std_n: of the wrench, per axis [N].
+        torque_std_nm: of the wrench, per axis [N m].
+        prior_std_m: how far from the expected place contacts happen [m].
+
+    Returns:
+        Point (3,) [m] and the hand's outward normal (3,) there, in H.
+    """
+    torque, force = wrench_H[:3], wrench_H[3:]
+    residual = torque - np.cross(skin.p_H, force)
+    variance = torque_std_nm**2 + (skin.p_H**2).sum(axis=1) * force_std_n**2
+    cost = (residual**2).sum(axis=1) / variance
+    cost += ((skin.p_H - skin.p_HExpected) ** 2).sum(axis=1) / prior_std_m**2
+    facing = skin.n_H @ force < 0.0  # The object pushes into the skin, never pulls.
+    if facing.any():
+        cost = np.where(facing, cost, np.inf)
+    best = int(cost.argmin())
+    return skin.p_H[best], skin.n_H[best]
+
+
+def contact_normal(force_W: Array, approach_W: Array, force_std_n: float) -> Array:
+    """The object's outward unit normal (3,) where it is touched.
+
+    With little friction the object pushes the hand along its outward normal; how far that
+    is believed grows with the signal: with s = |F| / (10 σ_F) the force's direction weighs
+    s² / (1 + s²), the reversed direction of approach the rest.
+
+    Args:
+        force_W: (3,) on the hand [N].
+        approach_W: (3,) direction of motion; zero where unknown.
+        force_std_n: standard deviation of the force, per axis [N].
+    """
+    size, speed = float(np.linalg.norm(force_W)), float(np.linalg.norm(approach_W))
+    if size < 1e-12:
+        return -approach_W / speed if speed > 1e-12 else np.array([0.0, 0.0, 1.0])
+    direction = force_W / size
+    if speed < 1e-12:
+        return direction
+    signal = (size / (10.0 * force_std_n)) ** 2
+    blend = signal * direction - approach_W / speed
+    length = float(np.linalg.norm(blend))
+    return direction if length < 1e-9 else blend / length

@@ -1,0 +1,41 @@
+"""What a wrist force-torque sensor adds to the true wrench.
+
+The defaults describe the class of the ATI Mini40 (calibration SI-80-4: resolution 0.02 N in
+force and 0.0005 N m in torque at 16 bit), taken as the standard deviation of one sample at
+500 Hz; and a slow drift as temperature causes it, which taring removes but for its change.
+"""
+
+import dataclasses as dc
+
+import numpy as np
+
+from vh_drake.types import Array
+
+_PERIODS_S = np.array([23.0, 41.0, 67.0])  # of the sinusoids that make up the drift
+
+
+@dc.dataclass
+class WristNoiseSettings:
+    """Knobs of the sensor's noise."""
+
+    force_std_n: float = 0.02  # white noise of one sample, per axis [N]
+    torque_std_nm: float = 0.0005  # [N m]
+    force_drift_n: float = 0.01  # amplitude of the drift, per axis [N]
+    torque_drift_nm: float = 0.0002  # [N m]
+
+
+def wrist_noise(time_s: float, seed: int, settings: WristNoiseSettings | None = None) -> Array:
+    """Noise (6,) [N m; N] at an instant: a function of time and seed without memory.
+
+    White noise is drawn anew every microsecond; the drift is a sum of three sinusoids with
+    periods of 23 to 67 s whose phases the seed draws.
+    """
+    settings = settings or WristNoiseSettings()
+    white = np.array([settings.torque_std_nm] * 3 + [settings.force_std_n] * 3)
+    drift = np.array([settings.torque_drift_nm] * 3 + [settings.force_drift_n] * 3)
+    phases = np.random.default_rng([seed, 0]).uniform(0.0, 2.0 * np.pi, (6, 3))
+    slow = np.sin(2.0 * np.pi * time_s / _PERIODS_S + phases).mean(axis=1)
+    tick = max(0, round(time_s * 1e6)) + 1
+    fast = np.random.default_rng([seed, tick]).standard_normal(6)
+    noise: Array = drift * slow + white * fast
+    return noise
