@@ -11,6 +11,7 @@ from vh_drake.types import Array, ScalarGrid
 
 _SOLID_SHARE = 0.02  # of the hull: a smaller enclosed volume is a sheet, not a solid
 _PADDING_CELLS = 4
+_LEAST_VALUE = 0.15  # of the spacing
 
 
 def extract_surface(grid: ScalarGrid, *, level: float = 0.0) -> TriMesh:
@@ -19,10 +20,12 @@ def extract_surface(grid: ScalarGrid, *, level: float = 0.0) -> TriMesh:
     Raises:
         BadInput: the field never takes the level.
     """
-    values = np.pad(grid.values, 1, constant_values=abs(grid.values).max() + abs(level) + 1e-9)
-    if not values.min() < level:
+    values = np.pad(grid.values - level, 1, constant_values=abs(grid.values).max() + grid.spacing)
+    if not values.min() < 0:
         raise BadInput("the solid is thinner than the grid; use a smaller spacing")
-    vertices, faces, _, _ = marching_cubes(values, level)
+    least = _LEAST_VALUE * grid.spacing  # no vertex comes near a node: slivers stall simplify()
+    values = np.where(np.abs(values) < least, np.where(values < 0, -least, least), values)
+    vertices, faces, _, _ = marching_cubes(values, 0.0)
     positions = grid.origin + grid.spacing * (vertices.astype(np.float64) - 1)
     mesh = TriMesh(positions, faces.astype(np.int64))
     return mesh if mesh.volume > 0 else mesh.flipped()
