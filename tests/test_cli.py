@@ -98,3 +98,19 @@ def test_an_interrupt_gives_status_130(monkeypatch):
 @pytest.mark.parametrize("arguments", [["nonsense"], ["doctor", "--nonsense"]])
 def test_unknown_arguments_give_status_2(monkeypatch, arguments):
     assert run(monkeypatch, *arguments) == 2
+
+
+def test_the_embedded_objects_are_listed(monkeypatch, capsys):
+    assert run(monkeypatch, "objects") == 0
+    assert "sugar_box" in capsys.readouterr().out
+
+
+def test_the_objects_of_a_folder_are_listed(monkeypatch, capsys, tmp_path):
+    (tmp_path / "cup.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert run(monkeypatch, "objects", "--objects", str(tmp_path), "--json") == 0
+    assert [row["name"] for row in json.loads(capsys.readouterr().out)] == ["cup"]
+
+
+def test_a_missing_folder_of_objects_gives_status_2(monkeypatch, capsys, tmp_path):
+    assert run(monkeypatch, "objects", "--objects", str(tmp_path / "nowhere")) == 2
+    assert "nowhere" in capsys.readouterr().err

@@ -6,7 +6,9 @@ Heavy modules are imported inside the commands, so that `--help` answers at once
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from importlib.metadata import version
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -59,8 +61,12 @@ def print_result(
         return
     table = Table(*columns)
     for row in rows:
-        table.add_row(*(escape(str(row[column])) for column in columns))
+        table.add_row(*(_cell(row[column]) for column in columns))
     Console().print(table)
+
+
+def _cell(value: Any) -> str:
+    return "" if value is None else escape(str(value))
 
 
 def _print_version(wanted: bool) -> None:
@@ -84,8 +90,6 @@ def options(
 @app.command()
 def doctor(as_json: JsonOption = False) -> None:
     """Check what a grasp needs of this machine, and name the remedy of each failure."""
-    from dataclasses import asdict
-
     from vh_drake.scenes.doctor import examine
 
     checks = examine()
@@ -97,3 +101,20 @@ def doctor(as_json: JsonOption = False) -> None:
 
 def _mark(ok: bool) -> str:
     return "yes" if ok else "NO"
+
+
+@app.command()
+def objects(
+    folder: Annotated[
+        Path | None,
+        typer.Option("--objects", metavar="DIR", help="A folder of meshes, or a YCB download."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List the embedded objects, or those of a folder."""
+    from vh_drake.objects.listing import folder_rows, library_rows
+
+    rows = library_rows() if folder is None else folder_rows(folder)
+    details = ("size_mm",) if folder is None else ("split", "file")
+    columns = ("name", "mass_g", *details)
+    print_result([asdict(row) for row in rows], as_json=as_json, columns=columns)
