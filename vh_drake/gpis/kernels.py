@@ -125,9 +125,11 @@ def covariance_matrix(
         code: the kernel's code.
         length: its length scale or radius, in the unit of the points.
         signal2: its variance at distance zero.
-        p: (n, 3) points; start_p: (n + 1,) first row of each: one row (the value) or four
-            (value and gradient) a point, as eq. 3.35 interleaves them.
-        q: (m, 3) points; start_q: (m + 1,) first column of each.
+        p: (n, 3) points.
+        start_p: (n + 1,) first row of each point: one row (the value) or four (value and
+            gradient) a point, as eq. 3.35 interleaves them.
+        q: (m, 3) points.
+        start_q: (m + 1,) first column of each point.
 
     Returns:
         (start_p[-1], start_q[-1]) matrix.

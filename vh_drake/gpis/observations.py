@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vh_drake.errors import BadInput
 from vh_drake.types import Array, IntArray
@@ -27,9 +28,9 @@ class Observations:
         return len(self.p)
 
     @property
-    def has_gradient(self) -> Array:
+    def has_gradient(self) -> NDArray[np.bool_]:
         """(n,) whether the gradient was observed."""
-        finite: Array = np.isfinite(self.gradient_variance)
+        finite: NDArray[np.bool_] = np.isfinite(self.gradient_variance)
         return finite
 
     def row_starts(self) -> IntArray:

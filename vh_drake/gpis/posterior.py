@@ -97,9 +97,8 @@ class Posterior:
     def _mean_on_separable_grid(self, x: Array, y: Array, z: Array) -> Array:
         length = self.kernel.length_m / SCALE_M
         signal2 = (self.kernel.signal_std_m / SCALE_M) ** 2
-        offsets = [
-            axis[:, None] / SCALE_M - centre for axis, centre in zip((x, y, z), self._centres().T)
-        ]
+        centres = self._centres()
+        offsets = [np.subtract.outer(a / SCALE_M, centres[:, i]) for i, a in enumerate((x, y, z))]
         ex, ey, ez = (np.exp(-0.5 * (offset / length) ** 2) for offset in offsets)  # (nx, n), ...
         slopes = self.weights[:, 1:] / length**2
         along_x = ex * (self.weights[:, 0] + offsets[0] * slopes[:, 0])

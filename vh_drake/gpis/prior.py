@@ -18,10 +18,22 @@ Martens et al. 2017, cited in section 3.2.2), negative inside.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from vh_drake.types import Array, IntArray, ObjectView, ScalarGrid
+from vh_drake.types import Array, ContactSet, ObjectView, ScalarGrid
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class PriorSettings:
+    """What is believed of the side that nobody has seen."""
+
+    side_view_below_rad: float = 0.25  # camera's elevation over the object's top
+    depth_share: float = 0.8  # of the lesser of width and height, in a view from the side
+    ball_radius_m: float = 0.03  # behind each contact, where nothing was seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +121,7 @@ def nodes(grid: ScalarGrid) -> Array:
     return np.stack(axes, axis=-1).reshape(-1, 3)
 
 
-def shadow(view: ObjectView, grid: ScalarGrid, p_W: Array) -> Array:
+def shadow(view: ObjectView, grid: ScalarGrid, p_W: Array) -> Mask:
     """Which nodes may be solid: above the table and behind seen points (nx, ny, nz)."""
     image = depth_image(view, least_pixel_m=0.5 * grid.spacing)
     z, seen = image.depth_at(p_W)
@@ -117,7 +129,7 @@ def shadow(view: ObjectView, grid: ScalarGrid, p_W: Array) -> Array:
     return np.asarray(solid.reshape(grid.values.shape))
 
 
-def signed_distance(solid: Array, spacing: float) -> Array:
+def signed_distance(solid: Mask, spacing: float) -> Array:
     """Signed distance to the border of a set of nodes, negative inside [m]."""
     outside = ndimage.distance_transform_edt(~solid)
     inside = ndimage.distance_transform_edt(solid)
@@ -126,12 +138,53 @@ def signed_distance(solid: Array, spacing: float) -> Array:
     return smooth
 
 
-def prior_solid(view: ObjectView, grid: ScalarGrid) -> Array:
+def deepened(tops: Array, view: ObjectView, grid: ScalarGrid, settings: PriorSettings) -> Array:
+    """Carry columns on away from the camera where a view from the side shows no depth.
+
+    The wanted depth is a share of the lesser of visible width and height.
+    """
+    sight = view.p_WO.mean(axis=0) - view.p_WCamera
+    along = sight[:2] / max(float(np.linalg.norm(sight[:2])), 1e-9)
+    height = view.table.height(view.p_WO)
+    slope = view.table.height(view.p_WCamera) - height.max()
+    if np.arctan2(slope, np.linalg.norm(sight[:2])) > settings.side_view_below_rad:
+        return tops
+    depth = np.ptp(view.p_WO[:, :2] @ along)
+    width = np.ptp(view.p_WO[:, :2] @ np.array([-along[1], along[0]]))
+    missing = settings.depth_share * min(width, height.max()) - depth
+    deep = tops
+    for step in range(1, int(missing / grid.spacing) + 1):
+        moved = ndimage.shift(tops, along * step, order=0, cval=-np.inf, prefilter=False)
+        deep = np.maximum(deep, moved)
+    return deep
+
+
+def seen_solid(view: ObjectView, grid: ScalarGrid, settings: PriorSettings) -> Mask:
     """The columns below the seen points within their shadow, as nodes (nx, ny, nz)."""
     p_W = nodes(grid)
-    tops = column_tops(view, grid)
+    tops = deepened(column_tops(view, grid), view, grid, settings)
     below = p_W[:, 2].reshape(grid.values.shape) <= tops[:, :, None]
     return np.asarray(below & shadow(view, grid, p_W))
+
+
+def touched_solid(contacts: ContactSet, grid: ScalarGrid, radius_m: float) -> Mask:
+    """Balls that touch the contacts from inside, as nodes (nx, ny, nz)."""
+    solid = np.zeros(grid.values.size, bool)
+    p_W = nodes(grid)
+    for centre in contacts.p_WC - radius_m * contacts.n_WC:
+        solid |= np.sum((p_W - centre) ** 2, axis=1) < radius_m**2
+    return solid.reshape(grid.values.shape)
+
+
+def prior_shape(
+    view: ObjectView, contacts: ContactSet, grid: ScalarGrid, settings: PriorSettings
+) -> ScalarGrid:
+    """Signed distance to the shape that view (or contacts, where nothing was seen) suggest [m]."""
+    if len(view.p_WO):
+        solid = seen_solid(view, grid, settings)
+    else:
+        solid = touched_solid(contacts, grid, settings.ball_radius_m)
+    return ScalarGrid(grid.origin, grid.spacing, signed_distance(solid, grid.spacing))
 
 
 def sample(grid: ScalarGrid, p_W: Array) -> tuple[Array, Array]:
@@ -143,9 +196,3 @@ def sample(grid: ScalarGrid, p_W: Array) -> tuple[Array, Array]:
         for slope in np.gradient(grid.values, grid.spacing)
     ]
     return value, np.column_stack(slopes)
-
-
-def nearest_nodes(grid: ScalarGrid, p_W: Array) -> IntArray:
-    """Indices (n, 3) of the nodes next to points, clipped to the grid."""
-    index = np.rint((p_W - grid.origin) / grid.spacing).astype(np.int64)
-    return np.clip(index, 0, np.array(grid.values.shape) - 1)

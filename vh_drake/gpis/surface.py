@@ -9,8 +9,8 @@ from vh_drake.gpis.kernels import Kernel, SquaredExponential
 from vh_drake.gpis.meshing import closed_mesh
 from vh_drake.gpis.observations import Observations, surface_observations
 from vh_drake.gpis.posterior import Posterior, fit
-from vh_drake.gpis.prior import node_coordinates, prior_solid, sample, signed_distance
-from vh_drake.types import Array, ContactSet, ObjectView, ScalarGrid, Surface
+from vh_drake.gpis.prior import PriorSettings, node_coordinates, prior_shape, sample
+from vh_drake.types import ContactSet, ObjectView, ScalarGrid, Surface
 
 
 @dataclass(frozen=True)
@@ -18,14 +18,15 @@ class SurfaceSettings:
     """How a surface is estimated."""
 
     kernel: Kernel = field(default_factory=SquaredExponential)
+    prior: PriorSettings = field(default_factory=PriorSettings)
     most_points: int = 100  # camera points that enter the Gaussian process
     point_std_m: float = 0.002
     point_normal_std: float = 0.3
     contact_std_m: float = 0.001
     contact_normal_std: float = 0.1
     margin_m: float = 0.03  # grid beyond the data
-    least_spacing_m: float = 0.0025
-    most_nodes: int = 150_000
+    least_spacing_m: float = 0.003
+    most_nodes: int = 100_000
 
 
 def data_grid(view: ObjectView, contacts: ContactSet, settings: SurfaceSettings) -> ScalarGrid:
@@ -48,8 +49,7 @@ def estimate_surface(
     settings = settings or SurfaceSettings()
     require_finite(view, contacts)
     grid = data_grid(view, contacts, settings)
-    solid = prior_solid(view, grid)
-    prior = ScalarGrid(grid.origin, grid.spacing, signed_distance(solid, grid.spacing))
+    prior = prior_shape(view, contacts, grid, settings.prior)
     posterior = fit(settings.kernel, _residuals(prior, view, contacts, settings))
     values = prior.values + posterior.mean_on_grid(*node_coordinates(grid))
     return _mesh(ScalarGrid(grid.origin, grid.spacing, values), posterior, view)
