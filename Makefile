@@ -33,6 +33,7 @@ demo: venv
 	$(BIN)/vh-drake grasp --seed 0 --out out/demo
 
 test: venv
+	@$(BIN)/python tools/check_system.py --tests
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist loadfile -q
 
 lint: venv

@@ -1,10 +1,12 @@
 """Names the system packages that are missing, before anything is installed.
 
-Runs on a bare Python, from `make venv`: it imports the standard library alone.
+Runs on a bare Python, from `make venv`: it imports the standard library alone. With
+`--tests` it asks for the programs that the tests start as well.
 """
 
 import ctypes
 import importlib.util
+import shutil
 import sys
 
 # Library -> the Debian package that holds it. Drake, Open3D and torch load these.
@@ -19,12 +21,24 @@ LIBRARIES = {
     "libidn2.so.0": "libidn2-0",
 }
 
+# Debian package -> the programs of which one is enough.
+TEST_PROGRAMS = {
+    "chromium": ("chromium", "chromium-browser", "google-chrome"),  # Looks at Meshcat's pages.
+    "graphviz": ("dot",),  # Draws diagrams.
+}
 
-def missing_packages() -> list[str]:
+
+def missing_packages(*, with_tests: bool) -> list[str]:
     """Debian names of the packages that are missing."""
     missing = [package for library, package in LIBRARIES.items() if not _loads(library)]
     if importlib.util.find_spec("ensurepip") is None:
         missing.append("python3-venv")
+    if with_tests:
+        missing += [
+            package
+            for package, programs in TEST_PROGRAMS.items()
+            if not any(map(shutil.which, programs))
+        ]
     return missing
 
 
@@ -40,10 +54,10 @@ def main() -> int:
     """Prints the command that installs what is missing; status 1 where something is."""
     if not sys.platform.startswith("linux"):
         return 0  # The wheels of other platforms bring their libraries.
-    missing = missing_packages()
+    missing = missing_packages(with_tests="--tests" in sys.argv)
     if missing:
         print(
-            "system libraries are missing; on Debian or Ubuntu install them with\n"
+            "system packages are missing; on Debian or Ubuntu install them with\n"
             f"  sudo apt-get install -y {' '.join(missing)}",
             file=sys.stderr,
         )
