@@ -7,7 +7,7 @@ from vh_drake.errors import BadInput
 from vh_drake.types import Array, ContactSet, IntArray, ObjectView
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def _farthest_points(p: Array, count: int) -> IntArray:
     chosen = np.zeros(count, np.int64)
     distance2 = np.full(len(p), np.inf)

@@ -58,8 +58,8 @@ class Kernel(Protocol):
 class SquaredExponential:
     """The kernel of eq. 3.41: forgets what is farther than a few length scales."""
 
-    length_m: float = 0.03
-    signal_std_m: float = 0.015
+    length_m: float = 0.06
+    signal_std_m: float = 0.01
     code: int = SQUARED_EXPONENTIAL
 
 
@@ -76,7 +76,7 @@ class ThinPlate:
     code: int = THIN_PLATE
 
 
-@numba.njit(cache=True, inline="always")  # type: ignore[untyped-decorator]
+@numba.njit(cache=True, inline="always")
 def radial_profile(
     code: int, d2: float, length: float, signal2: float
 ) -> tuple[float, float, float]:
@@ -92,7 +92,7 @@ def radial_profile(
     return phi, 6.0 * unit * (d - length), h
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def _fill_block(
     K: Array, i: int, j: int, r: Array, phi: float, g: float, h: float, grad_i: bool, grad_j: bool
 ) -> None:
@@ -109,7 +109,7 @@ def _fill_block(
                 K[i + 1 + m, j + 1 + m] -= g
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def covariance_matrix(
     code: int,
     length: float,
@@ -147,7 +147,7 @@ def covariance_matrix(
     return K
 
 
-@numba.njit(cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})  # type: ignore[untyped-decorator]
+@numba.njit(cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
 def weighted_potential(
     code: int,
     length: float,
@@ -170,7 +170,7 @@ def weighted_potential(
     return f
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def weighted_gradient(
     code: int,
     length: float,

@@ -21,7 +21,7 @@ class SurfaceSettings:
     prior: PriorSettings = field(default_factory=PriorSettings)
     most_points: int = 100  # camera points that enter the Gaussian process
     point_std_m: float = 0.002
-    point_normal_std: float = 0.3
+    point_normal_std: float = 0.6
     contact_std_m: float = 0.001
     contact_normal_std: float = 0.1
     margin_m: float = 0.03  # grid beyond the data
