@@ -8,6 +8,8 @@ from skimage.measure import marching_cubes
 
 from vh_drake.types import Array, IntArray, ScalarGrid
 
+_LEAST_VALUE = 1e-3  # of a step: nodes on the zero set itself would give triangles without area
+
 
 def closed_mesh(potential: ScalarGrid, p_data: Array) -> tuple[Array, IntArray, Array]:
     """Vertices [m], faces and outward vertex normals of the parts that carry data.
@@ -21,6 +23,7 @@ def closed_mesh(potential: ScalarGrid, p_data: Array) -> tuple[Array, IntArray, 
     """
     step = potential.spacing
     values = np.pad(potential.values, 1, constant_values=step)
+    values[np.abs(values) < _LEAST_VALUE * step] = _LEAST_VALUE * step
     if not (values < 0).any():
         return np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3))
     vertices, faces, _, _ = marching_cubes(values, 0.0, gradient_direction="descent")

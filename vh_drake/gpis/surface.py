@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vh_drake.errors import BadInput
 from vh_drake.gpis.evidence import farthest_points, require_finite
 from vh_drake.gpis.kernels import Kernel, SquaredExponential
 from vh_drake.gpis.meshing import closed_mesh
@@ -20,20 +21,31 @@ class SurfaceSettings:
     kernel: Kernel = field(default_factory=SquaredExponential)
     prior: PriorSettings = field(default_factory=PriorSettings)
     most_points: int = 100  # camera points that enter the Gaussian process
-    point_std_m: float = 0.002
+    point_std_m: float = 0.0015
     point_normal_std: float = 0.6
     contact_std_m: float = 0.001
     contact_normal_std: float = 0.1
     margin_m: float = 0.03  # grid beyond the data
+    most_extent_m: float = 1.0  # what lies wider apart is no object
     least_spacing_m: float = 0.003
     most_nodes: int = 100_000
 
 
 def data_grid(view: ObjectView, contacts: ContactSet, settings: SurfaceSettings) -> ScalarGrid:
-    """An empty grid around points, contacts and the table below them."""
+    """An empty grid around points, contacts and the table below them.
+
+    Raises:
+        BadInput: the data are spread wider than any object of this hand.
+    """
     p = np.vstack([view.p_WO, contacts.p_WC])
     foot = p - np.outer(view.table.height(p), view.table.normal)
     low = np.minimum(p.min(axis=0), foot.min(axis=0) + settings.margin_m * np.array([0, 0, 0.7]))
+    widest = float((p.max(axis=0) - low).max())
+    if widest > settings.most_extent_m:
+        raise BadInput(
+            f"points and contacts are spread over {widest:.2f} m, more than "
+            f"{settings.most_extent_m:g} m; crop them to one object, in metres"
+        )
     low, high = low - settings.margin_m, p.max(axis=0) + settings.margin_m
     spacing = max(
         settings.least_spacing_m, float(np.prod(high - low) / settings.most_nodes) ** (1 / 3)
