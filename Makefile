@@ -22,11 +22,11 @@ $(STAMP): pyproject.toml constraints.txt tools/check_system.py
 	  exit 1; }
 	@$(PYTHON) tools/check_system.py
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@# The CPU build of torch where it can be had (a tenth of the size), else the usual one.
-	$(PIP) install -q --retries 1 --timeout 20 -c constraints.txt \
+	@# The CPU build of torch where it can be had (far smaller), else the usual one.
+	$(PIP) install -q --no-compile --retries 1 --timeout 20 -c constraints.txt \
 	  --extra-index-url $(TORCH_CPU_INDEX) "torch==$(TORCH)+cpu" 2>/dev/null \
-	  || $(PIP) install -q -c constraints.txt "torch==$(TORCH)"
-	$(PIP) install -q -c constraints.txt -e ".[visuals,test,notebooks,docs]"
+	  || $(PIP) install -q --no-compile -c constraints.txt "torch==$(TORCH)"
+	$(PIP) install -q --no-compile -c constraints.txt -e ".[visuals,test,notebooks,docs]"
 	@touch $@
 
 demo: venv
