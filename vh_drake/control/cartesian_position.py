@@ -39,9 +39,7 @@ def cartesian_position_velocity(
         BadInput: a pose is no (4, 4) array of finite numbers.
     """
     error = pose_error(X_WH_target, X_WH)
-    velocity: Array = kernels.bounded_velocity(
-        error, gain_per_s, max_angular_rad_s, max_linear_m_s
-    )
+    velocity: Array = kernels.bounded_velocity(error, gain_per_s, max_angular_rad_s, max_linear_m_s)
     return velocity
 
 

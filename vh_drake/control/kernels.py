@@ -6,8 +6,11 @@ The modules beside it say what each part means and check what comes in.
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from vh_drake.types import Array
+
+Mask = NDArray[np.bool_]
 
 SINGULAR_VALUE_FLOOR = 1e-9  # directions below count as not reachable at all
 
@@ -49,7 +52,8 @@ def rotation_vector(R: Array) -> Array:
     sine = np.sqrt(np.sum(quaternion[:3] ** 2))
     if sine < 1e-15:
         return np.zeros(3)
-    return quaternion[:3] * (2.0 * np.arctan2(sine, quaternion[3]) / sine)
+    vector: Array = quaternion[:3] * (2.0 * np.arctan2(sine, quaternion[3]) / sine)
+    return vector
 
 
 @njit(cache=True)
@@ -97,7 +101,7 @@ def pose_error(X_target: Array, X: Array) -> Array:
 @njit(cache=True)
 def norm(x: Array) -> float:
     """Euclidean length."""
-    return np.sqrt(np.sum(x * x))
+    return float(np.sqrt(np.sum(x * x)))
 
 
 @njit(cache=True)
@@ -146,10 +150,40 @@ def limit_avoidance(q: Array, lower: Array, upper: Array) -> Array:
 
 
 @njit(cache=True)
+def leaves_range(velocity: Array, q: Array, lower: Array, upper: Array, horizon: float) -> Mask:
+    """Which joints (n,) would pass a position limit within `horizon` [s]."""
+    ahead = q + horizon * velocity
+    return ((velocity > 0.0) & (ahead > upper)) | ((velocity < 0.0) & (ahead < lower))
+
+
+@njit(cache=True)
+def joint_velocity(
+    J: Array, velocity: Array, q: Array, limits: Array, threshold: float, horizon: float
+) -> Array:
+    """Joint velocities (n,) within all limits; joints at a position limit leave the work to others.
+
+    limits (3, n): lower, upper [rad], velocity [rad/s].
+    """
+    J = J.copy()
+    result = damped_inverse_product(J, velocity, threshold)
+    for _ in range(len(q) - 1):
+        blocked = leaves_range(result, q, limits[0], limits[1], horizon)
+        if not np.any(blocked):
+            break
+        for i in range(len(q)):
+            if blocked[i]:
+                J[:, i] = 0.0
+        result = damped_inverse_product(J, velocity, threshold)
+    scaled: Array = scale_to_limits(result, limits[2])
+    return scaled
+
+
+@njit(cache=True)
 def null_space_velocity(J: Array, q: Array, lower: Array, upper: Array, tolerance: float) -> Array:
     """Equation 4.6 with an orthonormal basis."""
     N = null_space_basis(J, tolerance)
-    return N @ (N.T @ limit_avoidance(q, lower, upper))
+    velocity: Array = N @ (N.T @ limit_avoidance(q, lower, upper))
+    return velocity
 
 
 @njit(cache=True)
@@ -170,12 +204,13 @@ def control_step(
     """Joint velocities (n,) of the three controllers in a row.
 
     limits (3, n): lower, upper, velocity. bounds: angular, linear.
-    gains: position gain, singular threshold, p_N, rank tolerance.
+    gains: position gain, singular threshold, p_N, rank tolerance, limit horizon [s].
     """
     velocity = bounded_velocity(error, gains[0], bounds[0], bounds[1])
-    joint_velocity = scale_to_limits(damped_inverse_product(J, velocity, gains[1]), limits[2])
+    result: Array = joint_velocity(J, velocity, q, limits, gains[1], gains[4])
     addition = gains[2] * null_space_velocity(J, q, limits[0], limits[1], gains[3])
-    return joint_velocity + largest_share(joint_velocity, addition, limits[2]) * addition
+    result += largest_share(result, addition, limits[2]) * addition
+    return result
 
 
 @njit(cache=True)
@@ -216,7 +251,7 @@ def roll_to_pose(
         wanted = path[row] + dt * control_step(J, error, path[row], limits, bounds, gains)
         row += 1
         path[row] = np.minimum(np.maximum(wanted, limits[0]), limits[1])
-        limit_hit = limit_hit or np.any(path[row] != wanted)
+        limit_hit = limit_hit or bool(np.any(path[row] != wanted))
 
 
 @njit(cache=True)
@@ -234,7 +269,6 @@ def refine_ik(
 
     tolerances: angle [rad], position [m]. A seed that stops improving is given up early.
     """
-    n = len(q)
     middle, span = 0.5 * (limits[0] + limits[1]), limits[1] - limits[0]
     best, since = np.inf, 0
     for _ in range(steps):

@@ -12,7 +12,7 @@ from vh_drake.control.cartesian_position import (
     MAX_LINEAR_M_S,
     pose_error,
 )
-from vh_drake.control.cartesian_velocity import SINGULAR_THRESHOLD
+from vh_drake.control.cartesian_velocity import LIMIT_HORIZON_S, SINGULAR_THRESHOLD
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.null_space import GAIN as NULL_SPACE_GAIN
 from vh_drake.control.null_space import RANK_TOLERANCE
@@ -71,7 +71,9 @@ def rollout(
     waypoints = _poses(X_WH_waypoints)
     path = np.empty((int(max_duration_s / dt) + 1, len(kinematics.lower)))
     path[0] = kinematics.clamped(q0)
-    gains = np.array([gain_per_s, SINGULAR_THRESHOLD, null_space_gain, RANK_TOLERANCE])
+    gains = np.array(
+        [gain_per_s, SINGULAR_THRESHOLD, null_space_gain, RANK_TOLERANCE, LIMIT_HORIZON_S]
+    )
     tolerances = np.array([angle_tolerance_rad, position_tolerance_m, PATIENCE_S])
     bounds = np.array([max_angular_rad_s, max_linear_m_s])
     row, count, limit_hit = 0, 0, False
@@ -121,7 +123,12 @@ def solve_ik(
             else rng.uniform(kinematics.lower, kinematics.upper)
         )
         q, found = kernels.refine_ik(
-            *kinematics.screws, target, kinematics.clamped(start), kinematics.limits, tolerances, 100
+            *kinematics.screws,
+            target,
+            kinematics.clamped(start),
+            kinematics.limits,
+            tolerances,
+            100,
         )
         if found:
             solution: Array = q
