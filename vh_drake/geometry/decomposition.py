@@ -13,15 +13,15 @@ from vh_drake.geometry.remesh import simplify
 from vh_drake.types import Array
 
 _CONVEX_SHARE = 0.95  # of the hull's volume: such a mesh is convex enough
-_INPUT_TRIANGLES = 1500
+_INPUT_TRIANGLES = 800
 _OPTIONS = {
     "threshold": 0.06,
     "max_convex_hull": 16,
     "preprocess_mode": "auto",
     "preprocess_resolution": 40,
-    "resolution": 1000,
-    "mcts_nodes": 15,
-    "mcts_iterations": 60,
+    "resolution": 500,
+    "mcts_nodes": 10,
+    "mcts_iterations": 20,
     "mcts_max_depth": 2,
     "decimate": True,
     "max_ch_vertex": 48,

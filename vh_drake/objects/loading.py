@@ -49,7 +49,7 @@ def load_object(
     if str(spec) in library_names():
         return _load_from_library(str(spec), mass_kg, scale)
     path = Path(spec)
-    if path.suffix.lower() in SUFFIXES or path.suffix and path.is_file():
+    if path.suffix.lower() in SUFFIXES or (path.suffix and path.is_file()):
         return _load_file(FolderEntry(path.stem, path), mass_kg, scale)
     if path.is_dir():
         raise BadInput(f"{path} is a folder; pass it as --objects and name one of its objects")
