@@ -6,6 +6,7 @@ potential is negative inside (errata to eq. 3.5).
 """
 
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,19 @@ def _empty(*shape: int) -> Array:
     return np.zeros(shape)
 
 
+class Immutable:
+    """A value that is replaced, never mutated, so that its copy is itself.
+
+    Drake copies every abstract state of a diagram before each unrestricted update, values of
+    Python by `copy.deepcopy`; sharing spares that, and keeps the identity of an unchanged value.
+    """
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self
+
+
 @dataclass(frozen=True, eq=False)
-class Cloud:
+class Cloud(Immutable):
     """What a depth camera sees, background and table included."""
 
     p_WC: Array = field(default_factory=lambda: _empty(0, 3))  # (n, 3) points [m]
@@ -29,7 +41,7 @@ class Cloud:
 
 
 @dataclass(frozen=True, eq=False)
-class Plane:
+class Plane(Immutable):
     """The points x with normal · x = offset."""
 
     normal: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))  # (3,), up
@@ -42,7 +54,7 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
-class ObjectView:
+class ObjectView(Immutable):
     """The segmented object and the table it stands on."""
 
     p_WO: Array = field(default_factory=lambda: _empty(0, 3))  # (n, 3) object points [m]
@@ -52,7 +64,7 @@ class ObjectView:
 
 
 @dataclass(frozen=True, eq=False)
-class ContactSet:
+class ContactSet(Immutable):
     """Touched places, oldest first."""
 
     p_WC: Array = field(default_factory=lambda: _empty(0, 3))  # (n, 3) positions [m]
@@ -67,7 +79,7 @@ class ContactSet:
 
 
 @dataclass(frozen=True, eq=False)
-class ScalarGrid:
+class ScalarGrid(Immutable):
     """A scalar field sampled on a regular grid: values[i, j, k] at origin + spacing (i, j, k)."""
 
     origin: Array = field(default_factory=lambda: _empty(3))  # (3,) [m]
@@ -76,7 +88,7 @@ class ScalarGrid:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(Immutable):
     """Snapshot of the estimated surface; `faces` is empty where nothing is known yet."""
 
     vertices: Array = field(default_factory=lambda: _empty(0, 3))  # (v, 3) [m]
@@ -87,7 +99,7 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
-class TouchPlan:
+class TouchPlan(Immutable):
     """Where the fingertip shall touch next, and the curve that leads there (eq. 3.83)."""
 
     p_WT: Array = field(default_factory=lambda: _empty(3))  # (3,) target [m]
@@ -97,7 +109,7 @@ class TouchPlan:
 
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
+class Candidates(Immutable):
     """Grasp candidates: hand base poses in which the closing starts."""
 
     X_WH: Array = field(default_factory=lambda: _empty(0, 4, 4))  # (n, 4, 4) homogeneous
@@ -109,7 +121,7 @@ class Candidates:
 
 
 @dataclass(frozen=True, eq=False)
-class GraspScores:
+class GraspScores(Immutable):
     """Ratings of candidates, in their order; higher is better."""
 
     score: Array = field(default_factory=lambda: _empty(0))  # (n,) in 0..1
