@@ -1,21 +1,30 @@
 """Contacts and table planes that a user brings as files."""
 
 import csv
+import dataclasses as dc
 import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.common.yaml import yaml_load
 from scipy.spatial import cKDTree
 
 from vh_drake.errors import BadInput
 from vh_drake.sensing.file_bytes import read_text
 from vh_drake.types import Array, ContactSet, Plane
+from vh_drake.yaml_files import load_typed
 
 MAX_BYTES = 2**20
 MAX_CONTACTS = 1000
 _COLUMNS = ("x", "y", "z", "nx", "ny", "nz")
+
+
+@dc.dataclass
+class TableFile:
+    """The table plane as a file holds it: the points x with normal · x = offset [m]."""
+
+    normal: list[float] = dc.field(default_factory=list)
+    offset: float = 0.0
 
 
 def load_contacts(path: str | Path) -> ContactSet:
@@ -54,18 +63,8 @@ def load_table(path: str | Path) -> Plane:
     """
     if Path(path).suffix.lower() not in (".json", ".yaml", ".yml"):
         raise BadInput(f"{path}: a table is one of .json, .yaml, .yml")
-    text = read_text(path, MAX_BYTES)
-    try:
-        data = yaml_load(data=text)  # JSON is YAML.
-    except Exception as error:  # The parser raises many types; all mean a malformed file.
-        raise BadInput(f"{path} is no YAML or JSON: {error}") from error
-    if not isinstance(data, dict) or set(data) != {"normal", "offset"}:
-        raise BadInput(f"{path}: a table has the keys 'normal' (3 numbers) and 'offset' [m]")
-    try:
-        normal, offset = np.array(data["normal"], dtype=float), float(data["offset"])
-    except (TypeError, ValueError, OverflowError) as error:
-        raise BadInput(f"{path}: normal or offset is no number: {error}") from error
-    return _plane(normal, offset, str(path))
+    table = load_typed(TableFile, path)
+    return _plane(np.array(table.normal, dtype=float), float(table.offset), str(path))
 
 
 def _plane(normal: Array, offset: float, name: str) -> Plane:

@@ -47,8 +47,15 @@ def own_load(inertia: HandInertia, motion: HandMotion) -> Array:
     w, alpha = R_HW @ motion.w_WH, R_HW @ motion.alpha_WH
     fall = R_HW @ (GRAVITY_W - motion.a_WH)  # g - a_H
     c = inertia.p_HCom
-    a_rotation = np.cross(alpha, c) + np.cross(w, np.cross(w, c))
+    a_rotation = _cross(alpha, c) + _cross(w, _cross(w, c))
     force = inertia.mass * (fall - a_rotation)
-    spin = inertia.I_H @ alpha + np.cross(w, inertia.I_H @ w)
-    torque = np.cross(c, inertia.mass * fall) - spin
+    spin = inertia.I_H @ alpha + _cross(w, inertia.I_H @ w)
+    torque = _cross(c, inertia.mass * fall) - spin
     return np.concatenate([torque, force])
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """The product of two vectors; np.cross takes ten times longer, 500 times a second."""
+    a_0, a_1, a_2 = a.tolist()
+    b_0, b_1, b_2 = b.tolist()
+    return np.array([a_1 * b_2 - a_2 * b_1, a_2 * b_0 - a_0 * b_2, a_0 * b_1 - a_1 * b_0])

@@ -6,6 +6,7 @@ force and 0.0005 N m in torque at 16 bit), taken as the standard deviation of on
 """
 
 import dataclasses as dc
+import functools
 
 import numpy as np
 
@@ -33,9 +34,14 @@ def wrist_noise(time_s: float, seed: int, settings: WristNoiseSettings | None = 
     settings = settings or WristNoiseSettings()
     white = np.array([settings.torque_std_nm] * 3 + [settings.force_std_n] * 3)
     drift = np.array([settings.torque_drift_nm] * 3 + [settings.force_drift_n] * 3)
-    phases = np.random.default_rng([seed, 0]).uniform(0.0, 2.0 * np.pi, (6, 3))
-    slow = np.sin(2.0 * np.pi * time_s / _PERIODS_S + phases).mean(axis=1)
+    slow = np.sin(2.0 * np.pi * time_s / _PERIODS_S + _phases(seed)).mean(axis=1)
     tick = max(0, round(time_s * 1e6)) + 1
     fast = np.random.default_rng([seed, tick]).standard_normal(6)
     noise: Array = drift * slow + white * fast
     return noise
+
+
+@functools.lru_cache(maxsize=16)
+def _phases(seed: int) -> Array:
+    """Phases (6, 3) [rad] of the drift."""
+    return np.random.default_rng([seed, 0]).uniform(0.0, 2.0 * np.pi, (6, 3))

@@ -1,0 +1,102 @@
+"""Contact estimation from the wrist's force-torque sensor as a LeafSystem."""
+
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import BasicVector, Context, LeafSystem, State
+
+from vh_drake.sensing.contact_point import Skin
+from vh_drake.sensing.ft_contact import FtContactModel, FtContactSettings, FtSample, FtState
+from vh_drake.sensing.hand_load import HandInertia
+from vh_drake.types import ContactSet
+
+
+class FtContactEstimator(LeafSystem):
+    """Tells whether, where and how the hand touches something (thesis, eq. 4.8).
+
+    .. pydrake_system::
+
+        name: FtContactEstimator
+        input_ports:
+        - wrist_wrench
+        - hand_pose
+        - hand_velocity
+        - tare
+        - approach_direction
+        output_ports:
+        - contact
+        - contact_point
+        - force
+
+    | port               | direction | type           | unit       | meaning                       |
+    |--------------------|-----------|----------------|------------|-------------------------------|
+    | wrist_wrench       | in        | vector (6)     | N m, N     | [torque; force] about Ho in H |
+    | hand_pose          | in        | RigidTransform | m          | X_WH                          |
+    | hand_velocity      | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, in W        |
+    | tare               | in        | vector (1)     | -          | id; a change latches F_0      |
+    | approach_direction | in        | vector (3)     | -          | of motion, in W; 0 if unknown |
+    | contact            | out       | vector (1)     | -          | 1: touched since the tare     |
+    | contact_point      | out       | ContactSet     | m          | none or one, in W             |
+    | force              | out       | vector (3)     | N          | F - F_0 on the hand, in W     |
+
+    The wrench is the load that the hand puts on the arm: at rest its weight (`WristSensor`).
+    Nothing touches before `tare` has changed from 0. The outputs change with the samples only.
+
+    Args:
+        skin: where the hand may touch, in the posture of the touch.
+        inertia: mass properties of the hand.
+        settings: the knobs, the sampling period among them.
+    """
+
+    def __init__(
+        self,
+        skin: Skin,
+        inertia: HandInertia | None = None,
+        settings: FtContactSettings | None = None,
+    ) -> None:
+        super().__init__()
+        self._model = FtContactModel(skin, inertia, settings)
+        self._wrench = self.DeclareVectorInputPort("wrist_wrench", 6)
+        self._pose = self.DeclareAbstractInputPort("hand_pose", Value(RigidTransform()))
+        self._velocity = self.DeclareVectorInputPort("hand_velocity", 6)
+        self._tare = self.DeclareVectorInputPort("tare", 1)
+        self._approach = self.DeclareVectorInputPort("approach_direction", 3)
+        state = self.DeclareAbstractState(Value[object](FtState()))
+        self.DeclarePeriodicUnrestrictedUpdateEvent(
+            self._model.settings.period_s, 0.0, self._update
+        )
+        after = {self.abstract_state_ticket(state)}
+        self.DeclareVectorOutputPort("contact", 1, self._calc_contact, prerequisites_of_calc=after)
+        self.DeclareAbstractOutputPort(
+            "contact_point",
+            lambda: Value[object](ContactSet()),
+            self._calc_point,
+            prerequisites_of_calc=after,
+        )
+        self.DeclareVectorOutputPort("force", 3, self._calc_force, prerequisites_of_calc=after)
+
+    def _state(self, context: Context) -> FtState:
+        state: FtState = context.get_abstract_state(0).get_value()
+        return state
+
+    def _update(self, context: Context, state: State) -> None:
+        X_WH = self._pose.Eval(context)
+        sample = FtSample(
+            wrench_H=self._wrench.Eval(context),
+            R_WH=X_WH.rotation().matrix(),
+            p_WH=X_WH.translation(),
+            velocity_W=self._velocity.Eval(context),
+            approach_W=self._approach.Eval(context),
+            tare=float(self._tare.Eval(context)[0]),
+        )
+        state.get_mutable_abstract_state(0).set_value(
+            self._model.step(self._state(context), sample)
+        )
+
+    def _calc_contact(self, context: Context, output: BasicVector) -> None:
+        output.SetAtIndex(0, float(len(self._state(context).contact) > 0))
+
+    def _calc_point(self, context: Context, output: Value) -> None:
+        output.set_value(self._state(context).contact)
+
+    def _calc_force(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._state(context).force_W)

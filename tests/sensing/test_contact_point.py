@@ -1,0 +1,89 @@
+import numpy as np
+import pytest
+
+from vh_drake.errors import BadInput
+from vh_drake.sensing.contact_point import (
+    Skin,
+    capsule_skin,
+    contact_normal,
+    contact_point,
+    pad_skin,
+)
+
+A, B, RADIUS = np.array([0.03, -0.01, 0.105]), np.array([0.03, -0.01, 0.134]), 0.0086
+NOISE = {"force_std_n": 0.006, "torque_std_nm": 0.00015}
+
+
+def wrench(p, force):
+    return np.concatenate([np.cross(p, force), force])
+
+
+@pytest.mark.parametrize("force_n", [0.15, 1.0])
+def test_the_point_that_was_pushed_is_found_through_the_noise(force_n):
+    skin = capsule_skin(A, B, RADIUS)
+    rng = np.random.default_rng(0)
+    errors = []
+    for i in rng.choice(len(skin.p_H), 200):
+        clean = wrench(skin.p_H[i], -force_n * skin.n_H[i])
+        noise = rng.standard_normal(6) * ([NOISE["torque_std_nm"]] * 3 + [NOISE["force_std_n"]] * 3)
+        found, _ = contact_point(skin, clean + noise, **NOISE)
+        errors.append(np.linalg.norm(found - skin.p_H[i]))
+    assert np.median(errors) < (0.008 if force_n < 0.5 else 0.004)
+    assert np.max(errors) < 0.035
+
+
+def test_a_force_that_pulls_the_skin_is_never_explained_by_it():
+    skin = capsule_skin(A, B, RADIUS)
+    force = np.array([-0.5, 0.0, 0.0])
+    _, n_H = contact_point(skin, wrench(B, force), **NOISE)
+    assert n_H @ force < 0.0
+
+
+def test_without_torque_information_the_expected_place_wins():
+    skin = pad_skin(np.array([[0.02, 0.0, 0.12], [0.02, 0.03, 0.1]]), np.array([[-1.0, 0, 0]] * 2))
+    found, _ = contact_point(
+        skin, wrench(skin.p_H[-1], np.array([0.1, 0, 0])), force_std_n=0.01, torque_std_nm=10.0
+    )
+    np.testing.assert_allclose(found, [0.02, 0.0, 0.12], atol=0.005)
+
+
+def test_capsule_points_lie_on_the_capsule_and_normals_point_out():
+    skin = capsule_skin(A, B, RADIUS)
+    s = np.clip((skin.p_H - A) @ (B - A) / ((B - A) @ (B - A)), 0.0, 1.0)
+    offset = skin.p_H - (A + s[:, None] * (B - A))
+    np.testing.assert_allclose(np.linalg.norm(offset, axis=1), RADIUS)
+    np.testing.assert_allclose(offset / RADIUS, skin.n_H, atol=1e-9)
+
+
+def test_pad_points_lie_in_the_pad_s_plane_within_its_radius():
+    p, n = np.array([0.02, 0.0, 0.12]), np.array([-3.0, 0.0, 1.0])
+    skin = pad_skin(p, n, radius_m=0.006)
+    assert np.abs((skin.p_H - p) @ n).max() < 1e-12
+    assert np.linalg.norm(skin.p_H - p, axis=1).max() <= 0.006 + 1e-9
+    np.testing.assert_allclose(skin.n_H, np.tile(n / np.sqrt(10.0), (len(skin.p_H), 1)))
+
+
+def test_a_strong_force_gives_the_normal_and_a_weak_one_leaves_it_to_the_approach():
+    force, approach = np.array([0.0, 0.0, 1.0]), np.array([2.0, 0.0, 0.0])
+    strong = contact_normal(100.0 * force, approach, 0.006)
+    weak = contact_normal(1e-4 * force, approach, 0.006)
+    np.testing.assert_allclose(strong, [0, 0, 1], atol=1e-3)
+    np.testing.assert_allclose(weak, [-1, 0, 0], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("force", "approach", "normal"),
+    [
+        ((0, 0, 0), (0, 2, 0), (0, -1, 0)),
+        ((0, 3, 0), (0, 0, 0), (0, 1, 0)),
+        ((0,) * 3, (0,) * 3, (0, 0, 1)),
+    ],
+)
+def test_missing_force_or_approach_still_gives_a_unit_normal(force, approach, normal):
+    found = contact_normal(np.array(force, float), np.array(approach, float), 0.006)
+    np.testing.assert_allclose(found, normal)
+
+
+def test_a_hand_without_skin_is_refused():
+    with pytest.raises(BadInput, match="skin"):
+        Skin(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(3))

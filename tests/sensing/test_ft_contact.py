@@ -1,0 +1,132 @@
+import numpy as np
+import pytest
+from pydrake.math import RotationMatrix
+
+from vh_drake.sensing.contact_point import capsule_skin
+from vh_drake.sensing.ft_contact import FtContactModel, FtContactSettings, FtSample, FtState
+from vh_drake.sensing.hand_load import HandInertia, HandMotion, own_load
+from vh_drake.sensing.wrist_noise import wrist_noise
+
+SKIN = capsule_skin(np.array([0.03, -0.01, 0.105]), np.array([0.03, -0.01, 0.134]), 0.0086)
+R_WH = RotationMatrix.MakeYRotation(2.0).matrix()
+APPROACH = np.array([0.0, 0.0, -1.0])
+DT = 0.002
+
+
+def sample(t, *, seed=0, external=None, velocity=None, acceleration=None, R=R_WH, tare=1.0):
+    velocity = 0.03 * np.concatenate([np.zeros(3), APPROACH]) if velocity is None else velocity
+    acceleration = np.zeros(6) if acceleration is None else acceleration
+    motion = HandMotion(R, velocity[:3], acceleration[:3], acceleration[3:])
+    wrench = own_load(HandInertia(), motion) + wrist_noise(t, seed)
+    if external is not None:
+        wrench = wrench + external
+    p_WH = np.array([0.7, -0.3, 1.1]) + velocity[3:] * t
+    return FtSample(wrench, R, p_WH, velocity, APPROACH, tare)
+
+
+def tared(model, seed):
+    """After 0.2 s without a tare and one tare."""
+    state = FtState()
+    for i in range(100):
+        state = model.step(state, sample(DT * i, seed=seed, tare=0.0))
+    return model.step(state, sample(0.2, seed=seed))
+
+
+def push(point, force_W):
+    force = R_WH.T @ force_W
+    return np.concatenate([np.cross(point, force), force])
+
+
+def touch(model, seed, force_n, point):
+    """Seconds from contact to detection, and the state, for an object that slides at force_n."""
+    state = tared(model, seed)
+    for i in range(500):
+        ramp = force_n * min(1.0, i * DT / 0.03)
+        external = push(point, -ramp * APPROACH)
+        state = model.step(state, sample(0.202 + DT * i, seed=seed, external=external))
+        if len(state.contact):
+            return DT * i, state
+    return np.inf, state
+
+
+def test_no_false_alarm_within_ten_seconds_of_steady_approach():
+    model = FtContactModel(SKIN)
+    for seed in range(3):
+        state, largest = tared(model, seed), 0.0
+        for i in range(5000):
+            state = model.step(state, sample(0.202 + DT * i, seed=seed))
+            largest = max(largest, float(np.linalg.norm(state.force_W)))
+        assert len(state.contact) == 0
+        assert largest < 0.06
+
+
+@pytest.mark.parametrize(("force_n", "delay_s"), [(0.12, 0.09), (0.15, 0.06), (0.4, 0.04)])
+def test_light_objects_are_felt_before_they_slide_far(force_n, delay_s):
+    model = FtContactModel(SKIN)
+    delays = [touch(model, seed, force_n, SKIN.p_H[40])[0] for seed in range(12)]
+    assert np.max(delays) < delay_s
+
+
+def test_place_and_normal_of_a_touch_are_found():
+    model = FtContactModel(SKIN)
+    down = int(np.argmin(SKIN.n_H @ R_WH.T @ -APPROACH))
+    p_errors, n_errors = [], []
+    for seed in range(20):
+        _, state = touch(model, seed, 0.3, SKIN.p_H[down])
+        true = sample(0.0).p_WH + R_WH @ SKIN.p_H[down]
+        found = state.contact.p_WC[0]
+        p_errors.append(np.linalg.norm((found - true)[:2]))  # z moves with the hand
+        n_errors.append(np.arccos(np.clip(state.contact.n_WC[0] @ -APPROACH, -1.0, 1.0)))
+    assert np.median(p_errors) < 0.006
+    assert np.rad2deg(np.max(n_errors)) < 12.0
+
+
+def test_turning_and_speeding_up_the_hand_is_no_contact():
+    model = FtContactModel(SKIN)
+    state = tared(model, 0)
+    for i in range(500):
+        t = DT * i
+        R = RotationMatrix.MakeZRotation(0.2 * t**2).matrix() @ R_WH
+        velocity = np.array([0, 0, 0.4 * t, 0.1 * (1.0 - np.cos(t)), 0, -0.03])
+        acceleration = np.array([0, 0, 0.4, 0.1 * np.sin(t), 0, 0])
+        state = model.step(
+            state, sample(0.202 + t, velocity=velocity, acceleration=acceleration, R=R)
+        )
+    assert len(state.contact) == 0
+
+
+def test_nothing_touches_before_the_first_tare_and_a_new_tare_forgets():
+    model = FtContactModel(SKIN)
+    state = FtState()
+    hard = push(SKIN.p_H[0], np.array([0.0, 0.0, 5.0]))
+    for i in range(200):
+        state = model.step(state, sample(DT * i, external=hard * (i > 50), tare=0.0))
+    assert len(state.contact) == 0
+    for i in range(200, 400):
+        state = model.step(state, sample(DT * i, external=hard * (i < 300)))
+    assert len(state.contact) == 1
+    state = model.step(state, sample(0.8, tare=2.0))
+    assert len(state.contact) == 0
+    np.testing.assert_array_equal(state.force_W, 0.0)
+
+
+def test_the_contact_stays_latched_when_the_force_goes():
+    model = FtContactModel(SKIN)
+    _, state = touch(model, 0, 0.4, SKIN.p_H[40])
+    first = state.contact
+    for i in range(300):
+        state = model.step(state, sample(2.0 + DT * i))
+    assert state.contact is first
+    assert np.linalg.norm(state.force_W) < 0.06
+
+
+def test_a_fast_hand_needs_a_higher_force():
+    model = FtContactModel(SKIN, settings=FtContactSettings(fast_speed_m_s=0.02))
+    assert touch(model, 0, 0.3, SKIN.p_H[40])[0] == np.inf
+    assert touch(model, 0, 0.8, SKIN.p_H[40])[0] < 0.1
+
+
+def test_a_sample_that_is_not_finite_changes_nothing():
+    model = FtContactModel(SKIN)
+    state = tared(model, 0)
+    assert model.step(state, sample(0.3, external=np.full(6, np.nan))) is state

@@ -1,0 +1,109 @@
+"""Puts the depth camera into a diagram."""
+
+import dataclasses as dc
+
+from pydrake.geometry import (
+    ClippingRange,
+    DepthRange,
+    DepthRenderCamera,
+    FrameId,
+    MakeRenderEngineVtk,
+    RenderCameraCore,
+    RenderEngineVtkParams,
+    SceneGraph,
+)
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
+from pydrake.systems.sensors import CameraInfo, RgbdSensor
+
+from vh_drake.sensing.depth_noise import DepthNoiseSettings
+from vh_drake.sensing.egl import egl_available
+from vh_drake.sensing.intrinsics import Intrinsics
+from vh_drake.systems.depth_camera import DepthCamera
+from vh_drake.systems.raycast_depth import RaycastDepth
+
+_RENDERER = "depth_camera"
+
+
+@dc.dataclass
+class CameraSettings:
+    """The camera in the robot's head."""
+
+    width: int = 640  # [pixel]
+    height: int = 480  # [pixel]
+    fov_y_rad: float = 0.7854  # vertical angle of view, a Carmine's 45 degrees [rad]
+    min_depth_m: float = 0.3  # nearer surfaces are not measured [m]
+    max_depth_m: float = 3.0  # nor are farther ones [m]
+    noise: DepthNoiseSettings = dc.field(default_factory=DepthNoiseSettings)
+
+    def intrinsics(self) -> Intrinsics:
+        """The pinhole of these settings."""
+        return Intrinsics.from_fov(self.width, self.height, self.fov_y_rad)
+
+
+def make_depth_camera(
+    builder: DiagramBuilder,
+    scene_graph: SceneGraph,
+    parent_frame_id: FrameId,
+    X_PC: RigidTransform,
+    settings: CameraSettings | None = None,
+    seed: int = 0,
+    *,
+    render: bool | None = None,
+) -> DepthCamera:
+    """Adds a depth source and a `DepthCamera`, and wires them.
+
+    Args:
+        builder: takes the systems.
+        scene_graph: already in the builder.
+        parent_frame_id: frame that carries the camera.
+        X_PC: optical frame (+z forward, +x right, +y down) in it.
+        settings: of the camera.
+        seed: of the noise.
+        render: True renders with VTK and EGL, False casts rays on the CPU, None renders
+            where EGL works.
+
+    Returns:
+        The camera, with the outputs `depth_image` and `cloud`.
+
+    Raises:
+        BadInput: the image is empty or the angle of view lies outside (0, pi).
+    """
+    settings = settings or CameraSettings()
+    intrinsics = settings.intrinsics()
+    render = egl_available() if render is None else render
+    make = _rendered if render else _cast
+    source = builder.AddNamedSystem(
+        "depth_source", make(scene_graph, parent_frame_id, X_PC, settings)
+    )
+    camera = builder.AddNamedSystem("depth_camera", DepthCamera(intrinsics, settings.noise, seed))
+    builder.Connect(scene_graph.get_query_output_port(), source.GetInputPort("geometry_query"))
+    builder.Connect(source.GetOutputPort("depth_image_32f"), camera.GetInputPort("depth_image"))
+    builder.Connect(source.GetOutputPort("body_pose_in_world"), camera.GetInputPort("X_WC"))
+    return camera
+
+
+def _rendered(
+    scene_graph: SceneGraph, parent: FrameId, X_PC: RigidTransform, settings: CameraSettings
+) -> RgbdSensor:
+    if not scene_graph.HasRenderer(_RENDERER):
+        parameters = RenderEngineVtkParams(backend="EGL")
+        scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(parameters))
+    pinhole = settings.intrinsics()
+    info = CameraInfo(pinhole.width, pinhole.height, pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy)
+    clipping = ClippingRange(0.5 * settings.min_depth_m, 2.0 * settings.max_depth_m)
+    core = RenderCameraCore(_RENDERER, info, clipping, RigidTransform())
+    depth_range = DepthRange(settings.min_depth_m, settings.max_depth_m)
+    return RgbdSensor(parent, X_PC, DepthRenderCamera(core, depth_range))
+
+
+def _cast(
+    scene_graph: SceneGraph, parent: FrameId, X_PC: RigidTransform, settings: CameraSettings
+) -> LeafSystem:
+    return RaycastDepth(
+        parent,
+        X_PC,
+        settings.intrinsics(),
+        min_depth_m=settings.min_depth_m,
+        max_depth_m=settings.max_depth_m,
+    )
