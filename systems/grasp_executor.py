@@ -1,0 +1,237 @@
+"""Runs motion programs: hand pose targets and motor commands over time."""
+
+import dataclasses as dc
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import BasicVector, Context, LeafSystem, State
+
+from vh_drake.grasping.closing_pose import closing_offset
+from vh_drake.hand.model import HandModel
+from vh_drake.hand.program import Leg, MotionProgram, Progress, interpolate, smooth
+from vh_drake.types import Array, TouchPlan
+
+PERIOD_S = 0.01
+SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.004, 0.03, 2.0
+
+
+@dc.dataclass(frozen=True, eq=False)
+class _Run:
+    """Where the executor stands; replaced, never mutated."""
+
+    program: MotionProgram = dc.field(default_factory=MotionProgram)
+    leg: int = 0
+    since_s: float = 0.0
+    X_WH0: Array = dc.field(default_factory=lambda: np.eye(4))  # at the leg's start
+    motors0: Array = dc.field(default_factory=lambda: np.zeros(0))
+    offset0: Array = dc.field(default_factory=lambda: np.eye(4))  # closing offset there
+    tare: int = 0
+    done: int = 0
+    felt: bool = False
+
+    @property
+    def current(self) -> Leg | None:
+        """The running leg."""
+        running = self.program.id > self.done and self.leg < len(self.program.legs)
+        return self.program.legs[self.leg] if running else None
+
+
+class GraspExecutor(LeafSystem):
+    """Moves hand and fingers through the legs of a program, and heeds contacts.
+
+    .. pydrake_system::
+
+        name: GraspExecutor
+        input_ports:
+        - program
+        - hand_pose
+        - motor_fraction
+        - contact
+        - missed
+        output_ports:
+        - target_pose
+        - motor_command
+        - tare
+        - approach_direction
+        - follow
+        - touch_plan
+        - progress
+
+    | port               | direction | type           | unit | meaning                              |
+    |--------------------|-----------|----------------|------|--------------------------------------|
+    | program            | in        | MotionProgram  | m    | a new id starts it                   |
+    | hand_pose          | in        | RigidTransform | m    | X_WH as commanded to the arm         |
+    | motor_fraction     | in        | vector (k)     | -    | measured travel, 0 open to 1 closed  |
+    | contact            | in        | vector (1)     | -    | 1: touched since the last tare       |
+    | missed             | in        | vector (1)     | -    | 1: the curve ended without a contact |
+    | target_pose        | out       | RigidTransform | m    | X_WH where the hand shall be now     |
+    | motor_command      | out       | vector (k)     | -    | where the motors shall be now        |
+    | tare               | out       | vector (1)     | -    | id; a change asks for F_0            |
+    | approach_direction | out       | vector (3)     | -    | of a guarded leg, in W; else 0       |
+    | follow             | out       | vector (1)     | -    | 1: the trajectory follower drives    |
+    | touch_plan         | out       | TouchPlan      | m    | the curve for it                     |
+    | progress           | out       | Progress       | -    | last program ended, leg, felt        |
+
+    A leg ends when its time is over and the hand has arrived (or is late by 2 s), a guarded
+    leg also at a contact. A program whose touch curve was missed ends.
+
+    Args:
+        hand: the hand that moves.
+        X_WH: hand pose (4, 4) at the start.
+    """
+
+    def __init__(self, hand: HandModel, X_WH: Array) -> None:
+        super().__init__()
+        self._hand = hand
+        k = len(hand.description.motors)
+        self._program = self.DeclareAbstractInputPort("program", Value[object](MotionProgram()))
+        self._pose = self.DeclareAbstractInputPort("hand_pose", Value(RigidTransform()))
+        self._fraction = self.DeclareVectorInputPort("motor_fraction", k)
+        self._contact = self.DeclareVectorInputPort("contact", 1)
+        self._missed = self.DeclareVectorInputPort("missed", 1)
+        start = _Run(X_WH0=np.array(X_WH), motors0=np.zeros(k))
+        state = self.DeclareAbstractState(Value[object](start))
+        self.DeclarePeriodicUnrestrictedUpdateEvent(PERIOD_S, 0.0, self._update)
+        run = {self.abstract_state_ticket(state)}
+        timed = run | {self.time_ticket()}
+        self.DeclareAbstractOutputPort(
+            "target_pose",
+            lambda: Value(RigidTransform()),
+            self._calc_target,
+            prerequisites_of_calc=timed | {self._fraction.ticket()},
+        )
+        self.DeclareVectorOutputPort(
+            "motor_command", k, self._calc_motors, prerequisites_of_calc=timed
+        )
+        self.DeclareVectorOutputPort("tare", 1, self._calc_tare, prerequisites_of_calc=run)
+        self.DeclareVectorOutputPort(
+            "approach_direction", 3, self._calc_direction, prerequisites_of_calc=run
+        )
+        self.DeclareVectorOutputPort("follow", 1, self._calc_follow, prerequisites_of_calc=run)
+        self.DeclareAbstractOutputPort(
+            "touch_plan",
+            lambda: Value[object](TouchPlan()),
+            self._calc_touch,
+            prerequisites_of_calc=run,
+        )
+        self.DeclareAbstractOutputPort(
+            "progress",
+            lambda: Value[object](Progress()),
+            self._calc_progress,
+            prerequisites_of_calc=run,
+        )
+
+    def _run(self, context: Context) -> _Run:
+        run: _Run = context.get_abstract_state(0).get_value()
+        return run
+
+    def _update(self, context: Context, state: State) -> None:
+        run = self._run(context)
+        program: MotionProgram = self._program.Eval(context)
+        if program.id > run.program.id:
+            run = dc.replace(run, program=program, leg=0)
+            run = self._begin(context, run)
+        elif (ended := self._ended(context, run)) is not None:
+            run = self._next(context, run, felt=ended)
+        else:
+            return
+        state.get_mutable_abstract_state(0).set_value(run)
+
+    def _begin(self, context: Context, run: _Run) -> _Run:
+        """The running leg starts here and now."""
+        leg = run.current
+        if leg is None:
+            return dc.replace(run, done=run.program.id)
+        fraction = self._fraction.Eval(context)
+        offset = closing_offset(self._hand, leg.closing, fraction) if leg.closing else np.eye(4)
+        return dc.replace(
+            run,
+            since_s=context.get_time(),
+            X_WH0=self._pose.Eval(context).GetAsMatrix4(),
+            offset0=offset,
+            tare=run.tare + leg.guarded,
+        )
+
+    def _next(self, context: Context, run: _Run, *, felt: bool) -> _Run:
+        """Go on to the next leg, or end the program."""
+        leg = run.current
+        assert leg is not None
+        run = dc.replace(run, motors0=leg.motors, felt=felt if leg.guarded else run.felt)
+        if leg.touch is not None or run.leg + 1 == len(run.program.legs):
+            X_WH = self._pose.Eval(context).GetAsMatrix4()
+            keep = leg.X_WH if not felt and leg.touch is None and not leg.closing else X_WH
+            return dc.replace(run, done=run.program.id, X_WH0=keep)
+        return self._begin(context, dc.replace(run, leg=run.leg + 1))
+
+    def _ended(self, context: Context, run: _Run) -> bool | None:
+        """None while the leg runs; else whether a contact ended it."""
+        leg = run.current
+        if leg is None:
+            return None
+        elapsed = context.get_time() - run.since_s
+        if leg.guarded and elapsed > 2 * PERIOD_S and self._contact.Eval(context)[0] > 0:
+            return True
+        if leg.touch is not None:
+            return False if self._missed.Eval(context)[0] > 0 else None
+        if elapsed < leg.duration_s:
+            return None
+        arrived = leg.closing or self._arrived(context, leg)
+        return False if arrived or elapsed > leg.duration_s + PATIENCE_S else None
+
+    def _arrived(self, context: Context, leg: Leg) -> bool:
+        X_WH = self._pose.Eval(context).GetAsMatrix4()
+        turn = np.clip((np.trace(X_WH[:3, :3].T @ leg.X_WH[:3, :3]) - 1) / 2, -1, 1)
+        distance = np.linalg.norm(X_WH[:3, 3] - leg.X_WH[:3, 3])
+        return bool(distance < SETTLE_M and np.arccos(turn) < SETTLE_RAD)
+
+    def _share(self, context: Context, run: _Run, leg: Leg) -> float:
+        return (context.get_time() - run.since_s) / leg.duration_s
+
+    def _calc_target(self, context: Context, output: Value) -> None:
+        run = self._run(context)
+        leg = run.current
+        if leg is None:
+            X_WH = run.X_WH0
+        elif leg.closing:
+            now = closing_offset(self._hand, leg.closing, self._fraction.Eval(context))
+            X_WH = run.X_WH0 @ np.linalg.inv(run.offset0) @ now
+        else:
+            share = self._share(context, run, leg)
+            share = min(max(share, 0.0), 1.0) if leg.guarded else smooth(share)
+            X_WH = interpolate(run.X_WH0, leg.X_WH, share)
+        output.set_value(RigidTransform(X_WH))
+
+    def _calc_motors(self, context: Context, output: BasicVector) -> None:
+        run = self._run(context)
+        leg = run.current
+        if leg is None:
+            output.SetFromVector(run.motors0)
+            return
+        share = np.clip(self._share(context, run, leg), 0.0, 1.0)
+        output.SetFromVector(run.motors0 + share * (leg.motors - run.motors0))
+
+    def _calc_tare(self, context: Context, output: BasicVector) -> None:
+        output.SetAtIndex(0, float(self._run(context).tare))
+
+    def _calc_direction(self, context: Context, output: BasicVector) -> None:
+        run = self._run(context)
+        leg = run.current
+        direction = np.zeros(3)
+        if leg is not None and leg.guarded:
+            way = -leg.touch.n_WT if leg.touch is not None else leg.X_WH[:3, 3] - run.X_WH0[:3, 3]
+            direction = way / max(float(np.linalg.norm(way)), 1e-9)
+        output.SetFromVector(direction)
+
+    def _calc_follow(self, context: Context, output: BasicVector) -> None:
+        leg = self._run(context).current
+        output.SetAtIndex(0, float(leg is not None and leg.touch is not None))
+
+    def _calc_touch(self, context: Context, output: Value) -> None:
+        leg = self._run(context).current
+        output.set_value(leg.touch if leg is not None and leg.touch is not None else TouchPlan())
+
+    def _calc_progress(self, context: Context, output: Value) -> None:
+        run = self._run(context)
+        leg = run.current
+        output.set_value(Progress(run.done, leg.name if leg is not None else "", run.felt))

@@ -1,0 +1,97 @@
+"""The hand's drive: motor commands in, motor set points and estimated finger joints out."""
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+
+from vh_drake.hand.model import HandModel
+from vh_drake.types import Array
+
+PERIOD_S = 0.005
+STROKE_S = 0.6  # shortest time from open to closed
+
+
+class TendonHand(LeafSystem):
+    """Drives an underactuated hand, and tells its joints from its motors.
+
+    .. pydrake_system::
+
+        name: TendonHand
+        input_ports:
+        - motor_command
+        - motor_state
+        - motor_force
+        output_ports:
+        - motor_set_point
+        - motor_fraction
+        - tendon_force
+        - finger_joints
+
+    | port            | direction | type        | unit   | meaning                                 |
+    |-----------------|-----------|-------------|--------|-----------------------------------------|
+    | motor_command   | in        | vector (k)  | -      | wanted travel, 0 open to 1 closed       |
+    | motor_state     | in        | vector (2k) | m, m/s | measured travel of the motors           |
+    | motor_force     | in        | vector (k)  | N      | measured pull of the motors             |
+    | motor_set_point | out       | vector (2k) | m, m/s | for the motors' servos                  |
+    | motor_fraction  | out       | vector (k)  | -      | measured travel, 0 open to 1 closed     |
+    | tendon_force    | out       | vector (f)  | N      | in each finger's tendon; 0 where slack  |
+    | finger_joints   | out       | vector (n)  | rad    | free-space joints at the measured travel|
+
+    The set points approach the command at a bounded rate, as the motors' gears do. A finger
+    that an object blocks leaves the free-space joints: the estimate is what the motors know.
+
+    Args:
+        hand: the hand, its motors in the order of its description.
+    """
+
+    def __init__(self, hand: HandModel) -> None:
+        super().__init__()
+        self._hand = hand
+        motors = hand.description.motors
+        k = len(motors)
+        self._stroke = np.array([motor.closed_m for motor in motors])
+        fingers = np.bincount(hand.motor_of_finger, minlength=k)
+        self._share = 1.0 / fingers[hand.motor_of_finger]
+        self._command = self.DeclareVectorInputPort("motor_command", k)
+        self._measured = self.DeclareVectorInputPort("motor_state", 2 * k)
+        self._force = self.DeclareVectorInputPort("motor_force", k)
+        state = self.DeclareDiscreteState(2 * k)
+        self.DeclareStateOutputPort("motor_set_point", state)
+        self.DeclarePeriodicDiscreteUpdateEvent(PERIOD_S, 0.0, self._step)
+        measured = {self._measured.ticket()}
+        self.DeclareVectorOutputPort(
+            "motor_fraction", k, self._calc_fraction, prerequisites_of_calc=measured
+        )
+        self.DeclareVectorOutputPort(
+            "tendon_force",
+            hand.num_fingers,
+            self._calc_force,
+            prerequisites_of_calc={self._force.ticket()},
+        )
+        self.DeclareVectorOutputPort(
+            "finger_joints",
+            len(hand.joints),
+            self._calc_joints,
+            prerequisites_of_calc=measured,
+        )
+
+    def _fraction(self, context: Context) -> Array:
+        travel = self._measured.Eval(context)[: len(self._stroke)]
+        fraction: Array = np.clip(travel / self._stroke, 0.0, 1.0)
+        return fraction
+
+    def _step(self, context: Context, values: DiscreteValues) -> None:
+        now = context.get_discrete_state_vector().value()[: len(self._stroke)]
+        wanted = np.clip(self._command.Eval(context), 0.0, 1.0) * self._stroke
+        most = self._stroke * PERIOD_S / STROKE_S
+        step = np.clip(wanted - now, -most, most)
+        values.set_value(np.concatenate([now + step, step / PERIOD_S]))
+
+    def _calc_fraction(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._fraction(context))
+
+    def _calc_force(self, context: Context, output: BasicVector) -> None:
+        pull = np.maximum(self._force.Eval(context), 0.0)
+        output.SetFromVector(pull[self._hand.motor_of_finger] * self._share)
+
+    def _calc_joints(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._hand.joint_angles(self._fraction(context)))
