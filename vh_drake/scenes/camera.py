@@ -90,7 +90,9 @@ def _rendered(
         parameters = RenderEngineVtkParams(backend="EGL")
         scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(parameters))
     pinhole = settings.intrinsics()
-    info = CameraInfo(pinhole.width, pinhole.height, pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy)
+    # Drake's renderer counts from the image's corner, we from the first pixel's middle.
+    centre = pinhole.cx + 0.5, pinhole.cy + 0.5
+    info = CameraInfo(pinhole.width, pinhole.height, pinhole.fx, pinhole.fy, *centre)
     clipping = ClippingRange(0.5 * settings.min_depth_m, 2.0 * settings.max_depth_m)
     core = RenderCameraCore(_RENDERER, info, clipping, RigidTransform())
     depth_range = DepthRange(settings.min_depth_m, settings.max_depth_m)

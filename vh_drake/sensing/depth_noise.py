@@ -89,7 +89,7 @@ def _fray(
     settings: DepthNoiseSettings,
 ) -> Depth:
     """Edge pixels take the depth of a pixel nearby."""
-    v, u = np.nonzero(edges)
+    v, u = np.nonzero(edges & (depth > 0.0))
     shift = np.rint(settings.lateral_px * rng.standard_normal((2, len(v)))).astype(int)
     frayed = depth.copy()
     height, width = depth.shape
