@@ -51,7 +51,7 @@ def _read_bytes(path: Path) -> bytes:
         raise BadInput(f"{path}: no such file")
     if path.suffix.lower() not in SUFFIXES:
         raise BadInput(
-            f"{path}: format {path.suffix!r} is not read; convert it to one of {', '.join(SUFFIXES)}"
+            f"{path}: format {path.suffix!r} is not read; convert it to {', '.join(SUFFIXES)}"
         )
     try:
         size = path.stat().st_size

@@ -16,7 +16,7 @@ _SAME_REST_RAD = np.deg2rad(20.0)  # neighbouring rests that differ less are one
 _LEAST_PROBABILITY = 0.02
 _SAME_FACET_RAD = np.deg2rad(0.2)
 _TOLERANCE_M = 1e-9
-_BARRIER_M = 4e-4  # an edge that lifts the centre of mass by less does not hold the object
+_BARRIER_M = 2e-4  # an edge that lifts the centre of mass by less does not hold the object
 _DOUBLINGS = 14  # of the number of rolls that are followed
 
 
@@ -34,8 +34,9 @@ def stable_poses(mesh: TriMesh) -> tuple[Rest, ...]:
 
     A random orientation lands on the hull face that the centre of mass sees below; where the
     centre of mass is not above that face, or hardly has to rise to pass an edge, the object
-    rolls on as long as that lets it down, until it rests. Faces in one plane count as one rest. Rests that differ by less
-    than 20 degrees, like those around the side of a can, form a group.
+    rolls on as long as that lets it down, until it rests. Faces in one plane count as one
+    rest. Rests that differ by less than 20 degrees, like those around the side of a can, form
+    a group.
 
     Args:
         mesh: Watertight, of uniform density.
@@ -132,7 +133,7 @@ def _linked(normals: Array, angle: float) -> IntArray:
 def _pose(mesh: TriMesh, com: Array, downward: Array) -> Array:
     """Object pose by the least turn of a direction down, lowest point at z = 0, (4, 4)."""
     x, y, z = downward
-    tilt = np.array([y, -x, 0.0])  # axis times sine of the turn from downward to -z
+    tilt = np.array([-y, x, 0.0])  # axis times sine of the turn from downward to -z
     half = 1 - z  # 1 + cosine of it
     turn = Rotation.from_quat([*tilt, half] if half > 1e-9 else [1.0, 0.0, 0.0, 0.0])
     X = np.eye(4)

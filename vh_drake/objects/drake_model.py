@@ -127,10 +127,15 @@ def mesh_shape(mesh: TriMesh, label: str) -> Mesh:
 
 
 def obj_text(mesh: TriMesh) -> str:
-    """A mesh in Wavefront format, to a hundredth of a millimetre."""
-    vertices = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.vertices]
-    faces = [f"f {a} {b} {c}" for a, b, c in mesh.faces + 1]
-    return "\n".join([*vertices, *faces, ""])
+    """A mesh in Wavefront format, to a hundredth of a millimetre, with a normal a face."""
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.vertices]
+    lines += [f"vn {x:.4f} {y:.4f} {z:.4f}" for x, y, z in normals]
+    faces = enumerate(mesh.faces + 1, start=1)
+    lines += [f"f {i}//{n} {j}//{n} {k}//{n}" for n, (i, j, k) in faces]
+    return "\n".join([*lines, ""])
 
 
 def _exact_shape(primitive: Primitive) -> Placed:

@@ -1,5 +1,7 @@
 """Turned bodies and plain solids as exact watertight meshes."""
 
+from itertools import pairwise
+
 import numpy as np
 import trimesh
 
@@ -28,9 +30,7 @@ def lathe(profile: list[tuple[float, float]], *, flatten: float = 1.0) -> TriMes
         vertices.append(np.column_stack([ring, np.full(len(ring), z)]))
         rings.append(np.resize(np.arange(count, count + len(ring)), _SECTIONS))
         count += len(ring)
-    faces = np.vstack(
-        [_band(lower, upper) for lower, upper in zip(rings[:-1], rings[1:], strict=True)]
-    )
+    faces = np.vstack([_band(lower, upper) for lower, upper in pairwise(rings)])
     mesh = TriMesh(np.vstack(vertices), faces)
     proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
     return mesh.with_faces(proper)
@@ -39,7 +39,7 @@ def lathe(profile: list[tuple[float, float]], *, flatten: float = 1.0) -> TriMes
 def _subdivide(profile: Array) -> Array:
     """Insert points so that no step is longer than a row."""
     pieces = []
-    for start, end in zip(profile[:-1], profile[1:], strict=True):
+    for start, end in pairwise(profile):
         steps = max(1, int(np.ceil(np.linalg.norm(end - start) / _ROW_M)))
         pieces.append(start + np.arange(steps)[:, None] / steps * (end - start))
     return np.vstack([*pieces, profile[-1:]])
@@ -72,4 +72,4 @@ def sphere(radius: float) -> TriMesh:
 
 
 def _raised(mesh: TriMesh, height: float) -> TriMesh:
-    return TriMesh(mesh.vertices + [0.0, 0.0, height], mesh.faces)
+    return TriMesh(mesh.vertices + np.array([0.0, 0.0, height]), mesh.faces)
