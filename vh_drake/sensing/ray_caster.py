@@ -43,7 +43,7 @@ def cast_depth(
     return depth
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _cast(triangles: Array, fx: float, fy: float, cx: float, cy: float, depth: Array) -> None:
     """Lowers `depth` to the nearest hit of each pixel's ray."""
     height, width = depth.shape
@@ -73,7 +73,7 @@ def _cast(triangles: Array, fx: float, fy: float, cx: float, cy: float, depth: A
                     depth[v, u] = z
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _pixels(
     triangle: Array, fx: float, fy: float, cx: float, cy: float, width: int, height: int
 ) -> tuple[int, int, int, int]:
