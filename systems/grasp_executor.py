@@ -37,6 +37,18 @@ class _Run:
         return self.program.legs[self.leg] if running else None
 
 
+def _raised(X_WH: Array, rise_m: float) -> Array:
+    X = X_WH.copy()
+    X[2, 3] += rise_m
+    return X
+
+
+def _with_leg(run: _Run, leg: Leg) -> _Run:
+    """The run with its current leg replaced."""
+    legs = (*run.program.legs[: run.leg], leg, *run.program.legs[run.leg + 1 :])
+    return dc.replace(run, program=dc.replace(run.program, legs=legs))
+
+
 class GraspExecutor(LeafSystem):
     """Moves hand and fingers through the legs of a program, and heeds contacts.
 
@@ -48,6 +60,7 @@ class GraspExecutor(LeafSystem):
         - hand_pose
         - motor_fraction
         - contact
+        - force
         - missed
         output_ports:
         - target_pose
@@ -64,6 +77,7 @@ class GraspExecutor(LeafSystem):
     | hand_pose          | in        | RigidTransform | m    | X_WH as commanded to the arm         |
     | motor_fraction     | in        | vector (k)     | -    | measured travel, 0 open to 1 closed  |
     | contact            | in        | vector (1)     | -    | 1: touched since the last tare       |
+    | force              | in        | vector (3)     | N    | on the hand since the last tare      |
     | missed             | in        | vector (1)     | -    | 1: the curve ended without a contact |
     | target_pose        | out       | RigidTransform | m    | X_WH where the hand shall be now     |
     | motor_command      | out       | vector (k)     | -    | where the motors shall be now        |
@@ -89,6 +103,7 @@ class GraspExecutor(LeafSystem):
         self._pose = self.DeclareAbstractInputPort("hand_pose", Value(RigidTransform()))
         self._fraction = self.DeclareVectorInputPort("motor_fraction", k)
         self._contact = self.DeclareVectorInputPort("contact", 1)
+        self._force = self.DeclareVectorInputPort("force", 3)
         self._missed = self.DeclareVectorInputPort("missed", 1)
         start = _Run(X_WH0=np.array(X_WH), motors0=np.zeros(k))
         state = self.DeclareAbstractState(Value[object](start))
@@ -145,10 +160,13 @@ class GraspExecutor(LeafSystem):
             return dc.replace(run, done=run.program.id)
         fraction = self._fraction.Eval(context)
         offset = closing_offset(self._hand, leg.closing, fraction) if leg.closing else np.eye(4)
+        X_WH0 = self._pose.Eval(context).GetAsMatrix4()
+        if leg.rise_m is not None:
+            run = _with_leg(run, dc.replace(leg, X_WH=_raised(X_WH0, leg.rise_m)))
         return dc.replace(
             run,
             since_s=context.get_time(),
-            X_WH0=self._pose.Eval(context).GetAsMatrix4(),
+            X_WH0=X_WH0,
             offset0=offset,
             tare=run.tare + leg.guarded,
         )
@@ -170,7 +188,7 @@ class GraspExecutor(LeafSystem):
         if leg is None:
             return None
         elapsed = context.get_time() - run.since_s
-        if leg.guarded and elapsed > 2 * PERIOD_S and self._contact.Eval(context)[0] > 0:
+        if leg.guarded and elapsed > 2 * PERIOD_S and self._touches(context, leg):
             return True
         if leg.touch is not None:
             return False if self._missed.Eval(context)[0] > 0 else None
@@ -178,6 +196,11 @@ class GraspExecutor(LeafSystem):
             return None
         arrived = leg.closing or self._arrived(context, leg)
         return False if arrived or elapsed > leg.duration_s + PATIENCE_S else None
+
+    def _touches(self, context: Context, leg: Leg) -> bool:
+        if leg.guard_n > 0:
+            return bool(np.linalg.norm(self._force.Eval(context)) > leg.guard_n)
+        return bool(self._contact.Eval(context)[0] > 0)
 
     def _arrived(self, context: Context, leg: Leg) -> bool:
         X_WH = self._pose.Eval(context).GetAsMatrix4()

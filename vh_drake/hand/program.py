@@ -20,6 +20,9 @@ class Leg:
     motors: Array = dc.field(default_factory=lambda: np.zeros(0))  # (k,) fractions at the end
     duration_s: float = 1.0
     guarded: bool = False  # tares the wrist sensor first and ends at a contact
+    guard_n: float = 0.0  # force that counts as one; 0 leaves it to the contact estimator
+    # The hand moves up by this instead of going to X_WH.
+    rise_m: float | None = None
     # The name of a closing motion: the hand then follows the fingers' measured travel.
     closing: str = ""
     # A curve for the fingertip: the trajectory follower drives, and X_WH is where it ends.

@@ -1,0 +1,320 @@
+"""Look, touch, fuse, plan, rate, grasp, lift: who does what next."""
+
+import dataclasses as dc
+from collections import Counter
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, State
+
+from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.exploration.touch_motion import TouchMotion, TouchMotionSettings, find_touch
+from vh_drake.grasping.approach import GraspMotionSettings, find_grasp
+from vh_drake.grasping.story import GraspRecord, Story, TouchRecord
+from vh_drake.hand.clearance import obstacles
+from vh_drake.hand.model import HandModel
+from vh_drake.hand.program import Leg, MotionProgram, Progress
+from vh_drake.types import (
+    Candidates,
+    ContactSet,
+    GraspScores,
+    ObjectView,
+    Surface,
+)
+
+PERIOD_S = 0.02
+
+
+@dc.dataclass(frozen=True)
+class BehaviourSettings:
+    """How much is tried."""
+
+    touches: int = 1
+    missed_touches: int = 3  # that are borne before the plan goes on without
+    look_after_s: float = 0.1  # the arm has come to rest
+    touch: TouchMotionSettings = dc.field(default_factory=TouchMotionSettings)
+    grasp: GraspMotionSettings = dc.field(default_factory=GraspMotionSettings)
+
+
+@dc.dataclass(frozen=True, eq=False)
+class _Mind:
+    """All that the behaviour remembers; replaced, never mutated."""
+
+    story: Story = dc.field(default_factory=Story)
+    view: ObjectView = dc.field(default_factory=ObjectView)
+    contacts: ContactSet = dc.field(default_factory=ContactSet)
+    program: MotionProgram = dc.field(default_factory=MotionProgram)
+    touch: TouchMotion | None = None
+    surface_request: int = 0
+    touch_request: int = 0
+    grasp_request: int = 0
+
+    def entering(self, phase: str) -> "_Mind":
+        """The same mind in another phase."""
+        return dc.replace(self, story=dc.replace(self.story, phase=phase))
+
+    def giving_up(self, why: str) -> "_Mind":
+        """The end, with a reason."""
+        story = dc.replace(self.story, phase="failed", finished=True, failure=why)
+        return dc.replace(self, story=story)
+
+    def moving(self, legs: tuple[Leg, ...]) -> "_Mind":
+        """With a new program for the executor."""
+        return dc.replace(self, program=MotionProgram(self.program.id + 1, legs))
+
+
+class Behaviour(LeafSystem):
+    """The sequence of section 4.2, S1 to S6, from what the sensors tell.
+
+    .. pydrake_system::
+
+        name: Behaviour
+        input_ports:
+        - object_view
+        - view_status
+        - surface
+        - surface_served
+        - touch_plans
+        - touch_served
+        - candidates
+        - scores
+        - ranking
+        - grasp_served
+        - progress
+        - contact_point
+        - joint_state
+        output_ports:
+        - view
+        - contacts
+        - surface_request
+        - touch_request
+        - grasp_request
+        - program
+        - phase
+        - story
+
+    | port            | direction | type          | unit | meaning                               |
+    |-----------------|-----------|---------------|------|---------------------------------------|
+    | object_view     | in        | ObjectView    | m    | what the camera shows now             |
+    | view_status     | in        | str           | -    | "ok", or why nothing is seen          |
+    | surface         | in        | Surface       | m    | estimate                              |
+    | surface_served  | in        | vector (1)    | -    | id of the request it answers          |
+    | touch_plans     | in        | tuple         | m    | TouchPlans, best first                |
+    | touch_served    | in        | vector (1)    | -    | id of the request they answer         |
+    | candidates      | in        | Candidates    | m    | grasps                                |
+    | scores          | in        | GraspScores   | -    | their ratings                         |
+    | ranking         | in        | tuple         | -    | their indices, best first             |
+    | grasp_served    | in        | vector (1)    | -    | id of the request they answer         |
+    | progress        | in        | Progress      | -    | of the executor                       |
+    | contact_point   | in        | ContactSet    | m    | felt since the last tare              |
+    | joint_state     | in        | vector (16)   | rad  | commanded to the arm                  |
+    | view            | out       | ObjectView    | m    | the look that everything is based on  |
+    | contacts        | out       | ContactSet    | m    | felt so far                           |
+    | surface_request | out       | vector (1)    | -    | a new id asks for an estimate         |
+    | touch_request   | out       | vector (1)    | -    | a new id asks for touch plans         |
+    | grasp_request   | out       | vector (1)    | -    | a new id asks for rated grasps        |
+    | program         | out       | MotionProgram | m    | for the executor                      |
+    | phase           | out       | str           | -    | for people                            |
+    | story           | out       | Story         | -    | what happened so far                  |
+
+    Args:
+        hand: the hand.
+        kinematics: of the arm.
+        settings: how much is tried.
+    """
+
+    def __init__(
+        self,
+        hand: HandModel,
+        kinematics: ArmKinematics,
+        settings: BehaviourSettings | None = None,
+    ) -> None:
+        super().__init__()
+        self._hand, self._kinematics = hand, kinematics
+        self._settings = settings or BehaviourSettings()
+        self._inputs: dict[str, InputPort] = {}
+        for name, model in (
+            ("object_view", Value[object](ObjectView())),
+            ("view_status", Value[object]("")),
+            ("surface", Value[object](Surface())),
+            ("touch_plans", Value[object](())),
+            ("candidates", Value[object](Candidates())),
+            ("scores", Value[object](GraspScores())),
+            ("ranking", Value[object](())),
+            ("progress", Value[object](Progress())),
+            ("contact_point", Value[object](ContactSet())),
+        ):
+            self._inputs[name] = self.DeclareAbstractInputPort(name, model)
+        for name, size in (
+            ("surface_served", 1),
+            ("touch_served", 1),
+            ("grasp_served", 1),
+            ("joint_state", 16),
+        ):
+            self._inputs[name] = self.DeclareVectorInputPort(name, size)
+        self.DeclareAbstractState(Value[object](_Mind()))
+        self.DeclarePeriodicUnrestrictedUpdateEvent(PERIOD_S, 0.0, self._update)
+        self._declare_outputs()
+
+    def _declare_outputs(self) -> None:
+        state = {self.all_state_ticket()}
+        for name, value in (
+            ("view", ObjectView()),
+            ("contacts", ContactSet()),
+            ("program", MotionProgram()),
+            ("story", Story()),
+        ):
+            self.DeclareAbstractOutputPort(
+                name,
+                lambda value=value: Value[object](value),
+                lambda context, output, name=name: output.set_value(
+                    getattr(self._mind(context), name)
+                ),
+                prerequisites_of_calc=state,
+            )
+        self.DeclareAbstractOutputPort(
+            "phase", lambda: Value[object](""), self._calc_phase, prerequisites_of_calc=state
+        )
+        for name in ("surface_request", "touch_request", "grasp_request"):
+            self.DeclareVectorOutputPort(
+                name,
+                1,
+                lambda context, output, name=name: self._calc_request(context, output, name),
+                prerequisites_of_calc=state,
+            )
+
+    def _mind(self, context: Context) -> _Mind:
+        mind: _Mind = context.get_abstract_state(0).get_value()
+        return mind
+
+    def _eval(self, context: Context, name: str) -> object:
+        value: object = self._inputs[name].Eval(context)
+        return value
+
+    def _served(self, context: Context, name: str, request: int) -> bool:
+        return int(self._inputs[f"{name}_served"].Eval(context)[0]) == request
+
+    def _update(self, context: Context, state: State) -> None:
+        mind = self._mind(context)
+        step = {
+            "look": self._look,
+            "estimate": self._estimate,
+            "plan a touch": self._plan_touch,
+            "touch": self._touch,
+            "retreat": self._retreat,
+            "plan grasps": self._plan_grasps,
+            "grasp": self._grasp,
+        }.get(mind.story.phase)
+        if step is not None and (after := step(context, mind)) is not mind:
+            state.get_mutable_abstract_state(0).set_value(after)
+
+    def _look(self, context: Context, mind: _Mind) -> _Mind:
+        """S1: one look, kept for the whole trial."""
+        if context.get_time() < self._settings.look_after_s:
+            return mind
+        status = self._inputs["view_status"].Eval(context)
+        if status != "ok":
+            return mind.giving_up(str(status))
+        view = self._inputs["object_view"].Eval(context)
+        return self._estimating(dc.replace(mind, view=view))
+
+    def _estimating(self, mind: _Mind) -> _Mind:
+        asked = dc.replace(mind, surface_request=mind.surface_request + 1)
+        return asked.entering("estimate")
+
+    def _estimate(self, context: Context, mind: _Mind) -> _Mind:
+        """S3, then another touch or the grasp."""
+        if not self._served(context, "surface", mind.surface_request):
+            return mind
+        missed = sum(not record.felt for record in mind.story.touches)
+        felt = len(mind.story.touches) - missed
+        if felt < self._settings.touches and missed < self._settings.missed_touches:
+            asked = dc.replace(mind, touch_request=mind.touch_request + 1)
+            return asked.entering("plan a touch")
+        return dc.replace(mind, grasp_request=mind.grasp_request + 1).entering("plan grasps")
+
+    def _plan_touch(self, context: Context, mind: _Mind) -> _Mind:
+        """S2: the best touch that the arm can do, away from those that were missed."""
+        if not self._served(context, "touch", mind.touch_request):
+            return mind
+        missed = [record.plan.p_WT for record in mind.story.touches if not record.felt]
+        plans = [
+            plan
+            for plan in self._inputs["touch_plans"].Eval(context)
+            if all(np.linalg.norm(plan.p_WT - p) > 0.015 for p in missed)
+        ]
+        scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
+        q = self._inputs["joint_state"].Eval(context)[:8]
+        touch = find_touch(plans, scene, self._hand, self._kinematics, q, self._settings.touch)
+        if touch is None:
+            if mind.story.touches:
+                asked = dc.replace(mind, grasp_request=mind.grasp_request + 1)
+                return asked.entering("plan grasps")
+            return mind.giving_up(
+                "the arm can reach no hidden place of the object to touch it; "
+                "put the object nearer to (0.7, -0.3) m"
+            )
+        return dc.replace(mind, touch=touch).moving(touch.legs).entering("touch")
+
+    def _touch(self, context: Context, mind: _Mind) -> _Mind:
+        """S2: until the program ends, at a contact or without."""
+        progress: Progress = self._inputs["progress"].Eval(context)
+        if progress.done < mind.program.id:
+            return mind
+        assert mind.touch is not None
+        felt: ContactSet = self._inputs["contact_point"].Eval(context)
+        record = TouchRecord(mind.touch.plan, False, context.get_time())
+        if progress.felt and len(felt):
+            record = dc.replace(record, felt=True, p_WC=felt.p_WC[0], n_WC=felt.n_WC[0])
+            mind = dc.replace(mind, contacts=mind.contacts.with_contact(record.p_WC, record.n_WC))
+        story = dc.replace(mind.story, touches=(*mind.story.touches, record))
+        mind = dc.replace(mind, story=story)
+        return mind.moving(mind.touch.retreat).entering("retreat")
+
+    def _retreat(self, context: Context, mind: _Mind) -> _Mind:
+        progress: Progress = self._inputs["progress"].Eval(context)
+        return mind if progress.done < mind.program.id else self._estimating(mind)
+
+    def _plan_grasps(self, context: Context, mind: _Mind) -> _Mind:
+        """S4 and S5: the best rated grasp that the arm can do."""
+        if not self._served(context, "grasp", mind.grasp_request):
+            return mind
+        candidates: Candidates = self._inputs["candidates"].Eval(context)
+        ranking = self._inputs["ranking"].Eval(context)
+        scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
+        q = self._inputs["joint_state"].Eval(context)[:8]
+        found = find_grasp(
+            candidates, ranking, scene, self._hand, self._kinematics, q, self._settings.grasp
+        )
+        if found is None:
+            return mind.giving_up(
+                f"the arm can reach none of {len(candidates)} planned grasps; "
+                "turn the object or put it nearer to (0.7, -0.3) m"
+            )
+        index, legs = found
+        record = GraspRecord(
+            X_WH=candidates.X_WH[index],
+            motion=candidates.motion[index],
+            planner=candidates.planner[index],
+            score=float(self._inputs["scores"].Eval(context).score[index]),
+            rank=list(ranking).index(index),
+            candidates=dict(Counter(candidates.planner)),
+        )
+        story = dc.replace(mind.story, grasps=(*mind.story.grasps, record))
+        return dc.replace(mind, story=story).moving(legs).entering("grasp")
+
+    def _grasp(self, context: Context, mind: _Mind) -> _Mind:
+        """S6: until the object was held up."""
+        progress: Progress = self._inputs["progress"].Eval(context)
+        if progress.done < mind.program.id:
+            return mind
+        return dc.replace(mind, story=dc.replace(mind.story, phase="done", finished=True))
+
+    def _calc_phase(self, context: Context, output: Value) -> None:
+        mind = self._mind(context)
+        progress: Progress = self._inputs["progress"].Eval(context)
+        moving = mind.story.phase in ("touch", "retreat", "grasp") and progress.leg
+        output.set_value(f"{mind.story.phase}: {progress.leg}" if moving else mind.story.phase)
+
+    def _calc_request(self, context: Context, output: BasicVector, name: str) -> None:
+        output.SetAtIndex(0, float(getattr(self._mind(context), name)))

@@ -1,0 +1,120 @@
+"""From a rated candidate to the motion that executes it (section 4.5.4)."""
+
+import dataclasses as dc
+from collections.abc import Sequence
+
+import numpy as np
+
+from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.control.reach import rollout
+from vh_drake.hand.clearance import Obstacles, link_clearance
+from vh_drake.hand.model import HandModel
+from vh_drake.hand.program import SLOW_M_S, Leg, path, travel_time
+from vh_drake.types import Array, Candidates
+
+
+@dc.dataclass(frozen=True)
+class GraspMotionSettings:
+    """Distances and times of a grasp."""
+
+    standoff_m: float = 0.12  # of a side grasp, against the palm's direction
+    safe_height_m: float = 0.04  # of the lowest finger over the object in transit
+    least_transit_m: float = 0.24  # lowest transit height of the hand frame over the table
+    guard_n: float = 4.0  # force that ends the approach
+    gather_s: float = 1.2  # fingers to half, thumb to a fifth
+    close_s: float = 0.8
+    squeeze_s: float = 0.4
+    gather_fingers: float = 0.5
+    gather_thumb: float = 0.2
+    lift_m: float = 0.17
+    lift_s: float = 1.5
+    hold_s: float = 3.2
+
+
+def find_grasp(
+    candidates: Candidates,
+    ranking: Sequence[int],
+    scene: Obstacles,
+    hand: HandModel,
+    kinematics: ArmKinematics,
+    q: Array,
+    settings: GraspMotionSettings | None = None,
+) -> tuple[int, tuple[Leg, ...]] | None:
+    """The best candidate that the arm can execute, and its motion.
+
+    Args:
+        candidates: poses in which the closing starts.
+        ranking: their indices, best first.
+        scene: estimate and table.
+        hand: open.
+        kinematics: of the arm.
+        q: its joint positions now (8,) [rad].
+        settings: distances and times.
+
+    Returns:
+        Index of the candidate and legs; None where the arm can reach none.
+    """
+    settings = settings or GraspMotionSettings()
+    for index in ranking:
+        approach = approach_poses(
+            candidates.X_WH[index], candidates.motion[index], scene, hand, kinematics.pose(q),
+            settings,
+        )
+        lifted = approach[-1].copy()
+        lifted[:3, 3] += settings.lift_m * scene.table.normal
+        if rollout(kinematics, q, [*approach, lifted]).reached:
+            motion = candidates.motion[index]
+            return index, _legs(approach, motion, hand, kinematics.pose(q), settings)
+    return None
+
+
+def approach_poses(
+    X_WH: Array,
+    motion: str,
+    scene: Obstacles,
+    hand: HandModel,
+    X_WH_now: Array,
+    settings: GraspMotionSettings,
+) -> list[Array]:
+    """Hand poses (4, 4) on the way: raised, over the object, (beside it,) in place."""
+    up = scene.table.normal
+    palm = X_WH[:3, :3] @ np.asarray(hand.description.palm)
+    beside = X_WH.copy()
+    if motion == "side":
+        beside[:3, 3] -= settings.standoff_m * palm
+    lowest = link_clearance(hand, beside, scene)[1]
+    frame = float(scene.table.height(beside[:3, 3]))
+    rise = max(
+        scene.top_m + settings.safe_height_m - lowest, settings.least_transit_m - frame, 0.0
+    )
+    height = max(frame + rise, float(scene.table.height(X_WH_now[:3, 3])))
+    over, raised = beside.copy(), X_WH_now.copy()
+    over[:3, 3] += (height - frame) * up
+    raised[:3, 3] += (height - scene.table.height(X_WH_now[:3, 3])) * up
+    return [raised, over, beside, X_WH] if motion == "side" else [raised, over, X_WH]
+
+
+def _legs(
+    approach: list[Array], motion: str, hand: HandModel, X_WH_now: Array, s: GraspMotionSettings
+) -> tuple[Leg, ...]:
+    """Through the air, guarded to the object, then close, squeeze, lift and hold."""
+    open_hand = hand.motor_fractions(0.0, 0.0)
+    closed = hand.motor_fractions(1.0, 1.0)
+    names = ["raise the hand", "over to the grasp", "down beside the object"]
+    *free, last = approach
+    legs = path(X_WH_now, free, names[: len(free)], open_hand)
+    slow = travel_time(free[-1], last, linear_m_s=2 * SLOW_M_S)
+    legs += (
+        Leg("settle", free[-1], open_hand, 0.3),
+        Leg("approach", last, open_hand, slow, guarded=True, guard_n=s.guard_n),
+    )
+    if motion == "collect":
+        half = hand.motor_fractions(s.gather_fingers, s.gather_thumb)
+        legs += (Leg("gather", last, half, s.gather_s, closing=motion),)
+    return (
+        *legs,
+        Leg("close", last, closed, s.close_s, closing=motion),
+        Leg("squeeze", last, closed, s.squeeze_s, closing=motion),
+        Leg("lift", last, closed, s.lift_s, rise_m=s.lift_m),
+        Leg("hold", last, closed, s.hold_s, rise_m=0.0),
+    )

@@ -1,0 +1,41 @@
+"""What a behaviour lived through; the stuff that reports are made of."""
+
+import dataclasses as dc
+
+import numpy as np
+
+from vh_drake.types import Array, TouchPlan
+
+
+@dc.dataclass(frozen=True, eq=False)
+class TouchRecord:
+    """One touch: what was planned and what was felt."""
+
+    plan: TouchPlan
+    felt: bool  # False: the finger found nothing
+    time_s: float  # simulated time of the end of the touch
+    p_WC: Array = dc.field(default_factory=lambda: np.full(3, np.nan))  # felt position [m]
+    n_WC: Array = dc.field(default_factory=lambda: np.full(3, np.nan))  # felt outward normal
+
+
+@dc.dataclass(frozen=True, eq=False)
+class GraspRecord:
+    """One grasp that was tried."""
+
+    X_WH: Array  # (4, 4) hand pose in which the closing starts
+    motion: str
+    planner: str
+    score: float
+    rank: int  # how many better rated candidates the arm could not reach
+    candidates: dict[str, int]  # number by planner
+
+
+@dc.dataclass(frozen=True, eq=False)
+class Story:
+    """The behaviour so far."""
+
+    phase: str = "look"
+    touches: tuple[TouchRecord, ...] = ()
+    grasps: tuple[GraspRecord, ...] = ()
+    finished: bool = False
+    failure: str = ""  # why it gave up; empty while running and after a tried grasp

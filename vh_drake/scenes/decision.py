@@ -1,0 +1,184 @@
+"""Everything from the camera's cloud to commands for arm and hand; it sees sensors alone."""
+
+from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
+
+from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.exploration.follow import FollowSettings
+from vh_drake.exploration.touch_motion import TouchMotionSettings, fingertip_frame, pads_in_hand
+from vh_drake.hand.description import load_hand
+from vh_drake.hand.model import HandModel, read_hand_model
+from vh_drake.scenes.plant import default_hand
+from vh_drake.scenes.rating import conventional_scorer
+from vh_drake.scenes.scenario import Scenario
+from vh_drake.sensing.contact_point import Skin, pad_skin
+from vh_drake.sensing.ft_contact import FtContactSettings
+from vh_drake.sensing.segmentation import SegmentationSettings
+from vh_drake.systems.behaviour import Behaviour, BehaviourSettings
+from vh_drake.systems.cartesian_position_controller import CartesianPositionController
+from vh_drake.systems.fingertip import Fingertip
+from vh_drake.systems.ft_contact_estimator import FtContactEstimator
+from vh_drake.systems.gpis_estimator import GpisEstimator
+from vh_drake.systems.grasp_candidate_planner import GraspCandidatePlanner
+from vh_drake.systems.grasp_executor import GraspExecutor
+from vh_drake.systems.grasp_scorer import GraspScorer
+from vh_drake.systems.next_best_touch_planner import NextBestTouchPlanner
+from vh_drake.systems.object_segmenter import ObjectSegmenter
+from vh_drake.systems.trajectory_follower import TrajectoryFollower
+from vh_drake.systems.velocity_selector import VelocitySelector
+
+TOUCH_SPEED_M_S = 0.03
+
+
+class Decision(Diagram):
+    """From sensors to commands.
+
+    | port             | direction | type           | unit       | meaning                          |
+    |------------------|-----------|----------------|------------|----------------------------------|
+    | cloud            | in        | Cloud          | m          | what the head camera sees        |
+    | wrist_wrench     | in        | vector (6)     | N m, N     | [torque; force] about Ho in H    |
+    | hand_pose        | in        | RigidTransform | m          | X_WH, measured                   |
+    | hand_velocity    | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, measured       |
+    | commanded_pose   | in        | RigidTransform | m          | X_WH, commanded                  |
+    | commanded_state  | in        | vector (16)    | rad, rad/s | of the arm's servos              |
+    | motor_fraction   | in        | vector (k)     | -          | measured travel of the motors    |
+    | spatial_velocity | out       | vector (6)     | rad/s, m/s | wanted [w; v] of H in W          |
+    | motor_command    | out       | vector (k)     | -          | wanted travel of the motors      |
+    | story            | out       | Story          | -          | what happened so far             |
+    | phase            | out       | str            | -          | for people                       |
+    | view             | out       | ObjectView     | m          | the look                         |
+    | contacts         | out       | ContactSet     | m          | felt so far                      |
+    | surface          | out       | Surface        | m          | estimate                         |
+    | touch_plan       | out       | TouchPlan      | m          | the touch under way              |
+    | candidates       | out       | Candidates     | m          | grasps                           |
+    | scores           | out       | GraspScores    | -          | their ratings                    |
+    """
+
+
+INPUTS = (
+    ("cloud", "segmenter", "cloud"),
+    ("wrist_wrench", "contact_estimator", "wrist_wrench"),
+    ("hand_velocity", "contact_estimator", "hand_velocity"),
+    ("hand_velocity", "fingertip", "hand_velocity"),
+    ("hand_pose", "contact_estimator", "hand_pose"),
+    ("commanded_pose", "fingertip", "hand_pose"),
+    ("commanded_pose", "position_controller", "hand_pose"),
+    ("commanded_pose", "executor", "hand_pose"),
+    ("commanded_state", "behaviour", "joint_state"),
+    ("motor_fraction", "executor", "motor_fraction"),
+)
+
+WIRES = (
+    ("segmenter", "object_view", "behaviour", "object_view"),
+    ("segmenter", "status", "behaviour", "view_status"),
+    ("behaviour", "view", "estimator", "object_view"),
+    ("behaviour", "contacts", "estimator", "contacts"),
+    ("behaviour", "surface_request", "estimator", "request"),
+    ("estimator", "surface", "behaviour", "surface"),
+    ("estimator", "served", "behaviour", "surface_served"),
+    ("estimator", "surface", "touch_planner", "surface"),
+    ("behaviour", "view", "touch_planner", "object_view"),
+    ("behaviour", "contacts", "touch_planner", "contacts"),
+    ("fingertip", "fingertip_pose", "touch_planner", "fingertip_pose"),
+    ("fingertip", "fingertip_velocity", "touch_planner", "fingertip_velocity"),
+    ("behaviour", "touch_request", "touch_planner", "request"),
+    ("touch_planner", "plans", "behaviour", "touch_plans"),
+    ("touch_planner", "served", "behaviour", "touch_served"),
+    ("estimator", "surface", "grasp_planner", "surface"),
+    ("behaviour", "view", "grasp_planner", "object_view"),
+    ("behaviour", "grasp_request", "grasp_planner", "request"),
+    ("grasp_planner", "candidates", "scorer", "candidates"),
+    ("grasp_planner", "served", "scorer", "request"),
+    ("estimator", "surface", "scorer", "surface"),
+    ("behaviour", "view", "scorer", "object_view"),
+    ("grasp_planner", "candidates", "behaviour", "candidates"),
+    ("scorer", "scores", "behaviour", "scores"),
+    ("scorer", "ranking", "behaviour", "ranking"),
+    ("scorer", "served", "behaviour", "grasp_served"),
+    ("behaviour", "program", "executor", "program"),
+    ("executor", "progress", "behaviour", "progress"),
+    ("contact_estimator", "contact_point", "behaviour", "contact_point"),
+    ("contact_estimator", "contact", "executor", "contact"),
+    ("contact_estimator", "force", "executor", "force"),
+    ("executor", "tare", "contact_estimator", "tare"),
+    ("executor", "approach_direction", "contact_estimator", "approach_direction"),
+    ("executor", "target_pose", "position_controller", "target_pose"),
+    ("executor", "touch_plan", "follower", "plan"),
+    ("executor", "follow", "follower", "enable"),
+    ("fingertip", "fingertip_pose", "follower", "fingertip_pose"),
+    ("follower", "missed", "executor", "missed"),
+    ("follower", "spatial_velocity", "fingertip", "tip_command"),
+    ("position_controller", "spatial_velocity", "selector", "position_control"),
+    ("fingertip", "hand_command", "selector", "trajectory"),
+    ("executor", "follow", "selector", "follow"),
+)
+
+OUTPUTS = (
+    ("selector", "spatial_velocity"),
+    ("executor", "motor_command"),
+    ("behaviour", "story"),
+    ("behaviour", "phase"),
+    ("behaviour", "view"),
+    ("behaviour", "contacts"),
+    ("estimator", "surface"),
+    ("executor", "touch_plan"),
+    ("grasp_planner", "candidates"),
+    ("scorer", "scores"),
+)
+
+
+def make_decision(scenario: Scenario) -> Decision:
+    """The part of the diagram that decides; the same on the robot and in simulation."""
+    builder = DiagramBuilder()
+    hand = read_hand_model(load_hand(scenario.hand or default_hand()))
+    systems = {
+        name: builder.AddNamedSystem(name, system)
+        for name, system in _systems(scenario, hand).items()
+    }
+    for source, output, sink, port in WIRES:
+        builder.Connect(systems[source].GetOutputPort(output), systems[sink].GetInputPort(port))
+    exported: set[str] = set()
+    for name, sink, port in INPUTS:
+        if name in exported:
+            builder.ConnectInput(name, systems[sink].GetInputPort(port))
+        else:
+            builder.ExportInput(systems[sink].GetInputPort(port), name)
+            exported.add(name)
+    for source, port in OUTPUTS:
+        builder.ExportOutput(systems[source].GetOutputPort(port), port)
+    decision = Decision()
+    builder.BuildInto(decision)
+    decision.set_name("decision")
+    return decision
+
+
+def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
+    kinematics = ArmKinematics("right")
+    touch = TouchMotionSettings()
+    follow = FollowSettings(speed_m_per_s=TOUCH_SPEED_M_S, missed_after_m=touch.beyond_m)
+    return {
+        "segmenter": ObjectSegmenter(_workspace(scenario)),
+        "estimator": GpisEstimator(),
+        "touch_planner": NextBestTouchPlanner(),
+        "grasp_planner": GraspCandidatePlanner(hand, seed=scenario.seed),
+        "scorer": GraspScorer(conventional_scorer(hand, scenario.seed)),
+        "behaviour": Behaviour(hand, kinematics, BehaviourSettings(touches=scenario.touches)),
+        "executor": GraspExecutor(hand, kinematics.pose(kinematics.home)),
+        "position_controller": CartesianPositionController(),
+        "fingertip": Fingertip(fingertip_frame(hand)),
+        "follower": TrajectoryFollower(follow),
+        "selector": VelocitySelector(),
+        "contact_estimator": FtContactEstimator(touching_skin(hand), settings=FtContactSettings()),
+    }
+
+
+def touching_skin(hand: HandModel) -> Skin:
+    """The pads of the open fingers, that of the touching finger first."""
+    p, n = pads_in_hand(hand)
+    X_HT = fingertip_frame(hand)
+    order = ((p - X_HT[:3, 3]) ** 2).sum(axis=1).argsort()
+    return pad_skin(p[order], n[order])
+
+
+def _workspace(scenario: Scenario) -> SegmentationSettings:
+    """Where the object may be: around its place, on the table."""
+    return SegmentationSettings()
