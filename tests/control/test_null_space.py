@@ -69,3 +69,18 @@ def test_the_sum_keeps_the_velocity_limits_where_the_joint_velocities_do(seed):
     )
     assert np.all(np.abs(total) <= limits + 1e-12)
     np.testing.assert_allclose(J @ total, J @ velocity, atol=1e-9)
+
+
+def test_avoidance_never_pushes_a_joint_out_of_its_range():
+    held = 0
+    for seed in range(50):
+        J, q = random_problem(seed)
+        q[seed % 8] = UPPER[seed % 8]
+        addition = add_null_space_velocity(
+            np.zeros(8), J, q, lower=LOWER, upper=UPPER, velocity_limits=np.full(8, 10.0)
+        )
+        plain = null_space_velocity(J, q, LOWER, UPPER)
+        held += plain[seed % 8] > 1e-6
+        assert addition[seed % 8] <= 1e-12
+        np.testing.assert_allclose(J @ addition, 0.0, atol=1e-9)
+    assert held > 0  # the plain projection does push some of them

@@ -198,6 +198,28 @@ def largest_share(base: Array, addition: Array, velocity_limits: Array) -> float
 
 
 @njit(cache=True)
+def add_avoidance(
+    base: Array, J: Array, q: Array, limits: Array, gain: float, tolerance: float, horizon: float
+) -> Array:
+    """Equation 4.7 within all limits; a joint that it would push out of its range is held.
+
+    limits (3, n): lower, upper [rad], velocity [rad/s].
+    """
+    n = len(q)
+    held = np.zeros(n, dtype=np.bool_)
+    total = base.copy()
+    for _ in range(n - 5):
+        constraints = np.concatenate((J, np.eye(n)[held]))
+        addition = gain * null_space_velocity(constraints, q, limits[0], limits[1], tolerance)
+        total = base + largest_share(base, addition, limits[2]) * addition
+        outside = leaves_range(total, q, limits[0], limits[1], horizon) & ~held
+        if not np.any(outside):
+            return total
+        held |= outside
+    return base.copy()
+
+
+@njit(cache=True)
 def control_step(
     J: Array, error: Array, q: Array, limits: Array, bounds: Array, gains: Array
 ) -> Array:
@@ -208,9 +230,7 @@ def control_step(
     """
     velocity = bounded_velocity(error, gains[0], bounds[0], bounds[1])
     result: Array = joint_velocity(J, velocity, q, limits, gains[1], gains[4])
-    addition = gains[2] * null_space_velocity(J, q, limits[0], limits[1], gains[3])
-    result += largest_share(result, addition, limits[2]) * addition
-    return result
+    return add_avoidance(result, J, q, limits, gains[2], gains[3], gains[4])
 
 
 @njit(cache=True)

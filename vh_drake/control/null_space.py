@@ -3,6 +3,7 @@
 import numpy as np
 
 from vh_drake.control import kernels
+from vh_drake.control.cartesian_velocity import LIMIT_HORIZON_S
 from vh_drake.types import Array
 
 GAIN = 1.5  # p_N of equation 4.7; the thesis names 1 to 2
@@ -51,17 +52,26 @@ def add_null_space_velocity(
     upper: Array,
     velocity_limits: Array,
     gain: float = GAIN,
+    limit_horizon_s: float = LIMIT_HORIZON_S,
 ) -> Array:
     r"""Joint velocities with limit avoidance added (n,) [rad/s] (eq. 4.7).
 
     .. math:: \dot\theta' = \dot\theta + p_N \dot\theta^N
 
     Where the sum would exceed a velocity limit only the addition shrinks, since the hand's
-    own motion goes first.
+    own motion goes first. What is best for the arm as a whole can push a single joint
+    outward: one that would pass its limit within the horizon is held, by its row in the
+    Jacobian, and the rest of the null space is used.
     """
-    addition = gain * null_space_velocity(jacobian, q, lower, upper)
-    base = _contiguous(joint_velocity)
-    total: Array = base + addition * kernels.largest_share(base, addition, velocity_limits)
+    total: Array = kernels.add_avoidance(
+        _contiguous(joint_velocity),
+        _contiguous(jacobian),
+        _contiguous(q),
+        np.stack([lower, upper, velocity_limits]).astype(float),
+        gain,
+        RANK_TOLERANCE,
+        limit_horizon_s,
+    )
     return total
 
 
