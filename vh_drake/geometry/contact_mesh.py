@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from vh_drake.geometry.meshes import TriMesh
-from vh_drake.geometry.remesh import remesh_solid, simplify
+from vh_drake.geometry.remesh import remesh, simplify
 from vh_drake.geometry.sampling import sample_surface
 from vh_drake.geometry.signed_distance import distance_to_surface
 
@@ -58,7 +58,7 @@ def _candidates(mesh: TriMesh, triangles: int) -> Iterator[TriMesh]:
     """Coarse meshes, the likeliest first."""
     for aggressiveness in _AGGRESSIVENESS:
         yield simplify(mesh, triangles, aggressiveness=aggressiveness)
-    rebuilt, _ = remesh_solid(mesh, nodes=_REMESH_NODES)
+    rebuilt, _ = remesh(mesh, nodes=_REMESH_NODES)
     yield simplify(rebuilt, triangles)
 
 

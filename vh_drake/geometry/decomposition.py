@@ -75,7 +75,7 @@ def _read(path: Path) -> tuple[Array, ...] | None:
     """Pieces from the cache; none where they are missing or damaged."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            pieces = tuple(archive[f"piece_{i}"] for i in range(len(archive.files)))
+            pieces = tuple(archive[f"arr_{i}"] for i in range(len(archive.files)))
     except Exception:  # a cache that can't be read is computed anew, whatever is wrong with it
         return None
     if not pieces or any(piece.ndim != 2 or piece.shape[1] != 3 for piece in pieces):
@@ -88,7 +88,7 @@ def _write(path: Path, pieces: tuple[Array, ...]) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
-            np.savez(file, **{f"piece_{i}": piece for i, piece in enumerate(pieces)})
+            np.savez(file, *pieces)
         os.replace(file.name, path)
     except OSError:
         return

@@ -18,8 +18,12 @@ from vh_drake.types import Array
 _JSON_CHUNK = 0x4E4F534A
 _BINARY_CHUNK = 0x004E4942
 _TRIANGLES = 4
-_DTYPES = {5121: np.dtype("<u1"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4")}
-_FLOAT = np.dtype("<f4")
+_DTYPES: dict[int, np.dtype[Any]] = {
+    5121: np.dtype("<u1"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+}
+_FLOAT: np.dtype[Any] = np.dtype("<f4")
 _MAX_DEPTH = 64
 _MAX_NODES = 10_000
 

@@ -6,6 +6,7 @@ texture or buffer that it names is opened.
 
 import io
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -144,7 +145,7 @@ def _parse_obj(data: bytes) -> TriMesh:
     return _parse_with_trimesh(data, "obj")
 
 
-_PARSERS = {
+_PARSERS: dict[str, Callable[[bytes], TriMesh]] = {
     ".obj": _parse_obj,
     ".ply": _parse_ply,
     ".stl": _parse_stl,

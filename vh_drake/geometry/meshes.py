@@ -6,8 +6,11 @@ from functools import cached_property
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from vh_drake.types import Array, IntArray
+
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +107,7 @@ class TriMesh:
         """The mesh moved by a homogeneous transform (4, 4)."""
         return TriMesh(self.vertices @ X[:3, :3].T + X[:3, 3], self.faces)
 
-    def with_faces(self, keep: Array | IntArray) -> "TriMesh":
+    def with_faces(self, keep: Mask | IntArray) -> "TriMesh":
         """Some of the faces, by mask or index, without vertices that nothing uses."""
         faces = self.faces[keep]
         used, inverse = np.unique(faces, return_inverse=True)

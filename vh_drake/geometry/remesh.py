@@ -9,8 +9,9 @@ from vh_drake.geometry.meshes import TriMesh
 from vh_drake.geometry.signed_distance import grid_around, unsigned_distance_nodes, winding_nodes
 from vh_drake.types import Array, ScalarGrid
 
-_SOLID_SHARE = 0.02  # of the hull: a smaller enclosed volume is a sheet, not a solid
+_SOLID_SHARE = 0.02  # of the box: a smaller enclosed volume is a sheet, not a solid
 _PADDING_CELLS = 4
+_REMESHED_TRIANGLES = 8000
 _LEAST_VALUE = 0.15  # of the spacing
 
 
@@ -31,28 +32,31 @@ def extract_surface(grid: ScalarGrid, *, level: float = 0.0) -> TriMesh:
     return mesh if mesh.volume > 0 else mesh.flipped()
 
 
-def remesh_solid(mesh: TriMesh, *, nodes: int) -> tuple[TriMesh, str]:
+def remesh(mesh: TriMesh, *, nodes: int, as_sheet: bool = False) -> tuple[TriMesh, str]:
     """Watertight surface around any triangles, and a sentence on how it was made.
 
-    Where the triangles wrap a volume, it is the solid's surface; else a shell of a cell and
-    a half to each side of them.
+    Where the triangles wrap a volume, it is the solid's surface; else, or on request, a shell
+    of a cell and a half to each side of them.
 
     Args:
         mesh: Open, self-crossing or non-manifold.
         nodes: Grid nodes along the longest side.
+        as_sheet: Leave openings open.
     """
     spacing = float(mesh.extents.max()) / (nodes - 1 - 2 * _PADDING_CELLS)
     origin, shape = grid_around(mesh, spacing=spacing, padding=_PADDING_CELLS * spacing)
     triangles = (mesh.triangles - origin) / spacing
     distance = unsigned_distance_nodes(triangles, shape) * spacing
     inside = winding_nodes(triangles, shape) >= 0.5
-    if inside.sum() * spacing**3 > _SOLID_SHARE * np.prod(np.maximum(mesh.extents, spacing)):
-        surface = extract_surface(
-            ScalarGrid(origin, spacing, np.where(inside, -distance, distance))
-        )
-        return surface, f"Rebuilt the open surface on a grid of {spacing * 1e3:.1f} mm."
-    surface = extract_surface(ScalarGrid(origin, spacing, distance), level=1.5 * spacing)
-    return surface, f"Thickened the open sheet to {3e3 * spacing:.1f} mm."
+    least = _SOLID_SHARE * np.prod(np.maximum(mesh.extents, spacing))
+    if as_sheet or inside.sum() * spacing**3 < least:
+        surface = extract_surface(ScalarGrid(origin, spacing, distance), level=1.5 * spacing)
+        sentence = f"Thickened the open sheet to {3e3 * spacing:.1f} mm."
+    else:
+        signed = np.where(inside, -distance, distance)
+        surface = extract_surface(ScalarGrid(origin, spacing, signed))
+        sentence = f"Rebuilt the open surface on a grid of {spacing * 1e3:.1f} mm."
+    return simplify(surface, _REMESHED_TRIANGLES), sentence
 
 
 def simplify(mesh: TriMesh, triangles: int, *, aggressiveness: float = 5.0) -> TriMesh:

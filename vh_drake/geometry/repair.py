@@ -8,9 +8,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from vh_drake.errors import BadInput
-from vh_drake.geometry.meshes import TriMesh, from_trimesh
-from vh_drake.geometry.remesh import remesh_solid
-from vh_drake.types import Array, IntArray
+from vh_drake.geometry.meshes import Mask, TriMesh, from_trimesh
+from vh_drake.geometry.remesh import remesh
+from vh_drake.types import IntArray
 
 _MERGE_SHARE = 1e-6  # of the diagonal: vertices nearer than this are one
 _SPECK_SHARE = 0.02  # of the diagonal: loose parts smaller than this are noise
@@ -30,8 +30,8 @@ def repair_mesh(mesh: TriMesh) -> Repaired:
     """Make a mesh watertight and consistently wound, keeping its concavities.
 
     Vertices are merged, degenerate and duplicate faces and specks dropped, windings aligned,
-    holes capped. What stays open then is remeshed on a grid: as a solid where it wraps
-    a volume, else as a thin shell.
+    holes capped. What stays open then is remeshed on a grid: a sheet with wide openings as
+    a thin shell, anything else as a solid where it wraps a volume.
 
     Raises:
         BadInput: there is no surface left to work with.
@@ -42,7 +42,7 @@ def repair_mesh(mesh: TriMesh) -> Repaired:
     mesh = _align_winding(mesh, report)
     mesh = _cap_holes(mesh, report)
     if not mesh.is_watertight:
-        mesh, sentence = remesh_solid(mesh, nodes=_REMESH_NODES)
+        mesh, sentence = remesh(mesh, nodes=_REMESH_NODES, as_sheet=_is_sheet(mesh))
         report.append(sentence)
     mesh = _turn_outward(mesh, report)
     if not mesh.volume > 0:
@@ -93,7 +93,7 @@ def _drop_specks(mesh: TriMesh, report: list[str]) -> TriMesh:
     return mesh.with_faces(np.isin(labels, large))
 
 
-def _extent(mesh: TriMesh, faces: Array) -> float:
+def _extent(mesh: TriMesh, faces: Mask) -> float:
     """Diagonal of the box around some faces [m]."""
     corners = mesh.triangles[faces].reshape(-1, 3)
     return float(np.linalg.norm(np.ptp(corners, axis=0)))
@@ -128,6 +128,13 @@ def _cap_holes(mesh: TriMesh, report: list[str]) -> TriMesh:
         return mesh
     report.append(f"Closed {len(caps)} hole{'s' if len(caps) > 1 else ''}.")
     return TriMesh(np.vstack(vertices), np.vstack([mesh.faces, *caps]))
+
+
+def _is_sheet(mesh: TriMesh) -> bool:
+    """Whether what is open has clean rims, which then are wide openings and no damage."""
+    loops = boundary_loops(mesh.boundary_edges)
+    rims = np.concatenate([np.zeros(0, np.int64), *loops])
+    return len(rims) == len(mesh.boundary_edges) == len(np.unique(rims))
 
 
 def boundary_loops(edges: IntArray) -> list[IntArray]:
@@ -170,7 +177,7 @@ def _turn_outward(mesh: TriMesh, report: list[str]) -> TriMesh:
     return TriMesh(mesh.vertices, faces)
 
 
-def _is_cavity(mesh: TriMesh, part: Array) -> bool:
+def _is_cavity(mesh: TriMesh, part: Mask) -> bool:
     """Whether the box of a part lies strictly within the box of the rest."""
     if part.all():
         return False

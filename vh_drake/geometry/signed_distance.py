@@ -12,7 +12,7 @@ from vh_drake.geometry.triangle_kernels import (
     point_distances,
     splat_distances,
 )
-from vh_drake.types import Array, ScalarGrid
+from vh_drake.types import Array, IntArray, ScalarGrid
 
 MAX_NODES = 20_000_000
 _BAND_CELLS = 2
@@ -122,7 +122,7 @@ def _interpolate(
 
 
 @njit(cache=True)
-def _blend(values: Array, cell: Array, t: Array, spacing: float, gradient: Array) -> float:
+def _blend(values: Array, cell: IntArray, t: Array, spacing: float, gradient: Array) -> float:
     """Trilinear value in a cell; the gradient is written to its argument."""
     value = 0.0
     gradient[:] = 0.0

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from vh_drake.geometry.meshes import TriMesh, from_trimesh
-from vh_drake.types import Array
+from vh_drake.types import Array, IntArray
 
 _SECTIONS = 48
 _ROW_M = 0.008  # rows of triangles along the profile are at most so far apart
@@ -23,7 +23,8 @@ def lathe(profile: list[tuple[float, float]], *, flatten: float = 1.0) -> TriMes
     points = _subdivide(np.array(profile, dtype=np.float64))
     angles = np.arange(_SECTIONS) * 2 * np.pi / _SECTIONS
     circle = np.stack([np.cos(angles), flatten * np.sin(angles)], axis=1)
-    vertices, rings = [], []
+    vertices: list[Array] = []
+    rings: list[IntArray] = []
     count = 0
     for radius, z in points:
         ring = radius * circle if radius > _AXIS_M else np.zeros((1, 2))
@@ -45,7 +46,7 @@ def _subdivide(profile: Array) -> Array:
     return np.vstack([*pieces, profile[-1:]])
 
 
-def _band(lower: Array, upper: Array) -> Array:
+def _band(lower: IntArray, upper: IntArray) -> IntArray:
     """Triangles between two rings of vertex indices."""
     lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
     first = np.stack([lower, lower_next, upper_next], axis=1)
