@@ -2,8 +2,8 @@
 
 Fingers follow their free-space motion. A link that touches locks its joint and those before
 it; the rest of the finger goes on. A hand that moves meanwhile stops at the first contact.
-Time advances by conservative steps: no sphere can have moved farther than its distance to
-the object.
+Time advances by conservative steps, in which no sphere can move farther than its distance to
+the object, but by no less than a fixed one; a contact passed by such a least step is bisected.
 """
 
 import dataclasses as dc
@@ -14,13 +14,16 @@ from numba import njit
 
 from vh_drake.grasping.field import FieldArrays, ObjectField
 from vh_drake.grasping.motions import MotionArrays
-from vh_drake.hand.kinematics import HandArrays, compose, copy_pose, place_joints, sphere_at
+from vh_drake.hand.kinematics import HandArrays, copy_pose, place_joints, sphere_at
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, IntArray
 
 CONTACT_M = 0.0005  # A sphere this near touches
 _PALM_CONTACT_M = 0.001
 _EARLY = 0.01  # Spheres due within this time are looked up along with the others
+_LEAST_STEP = 1 / 40  # of time; a finger moves by no more than 8 mm meanwhile
+_LEAST_PALM_STEP = 1 / 16  # a moving palm by no more than 5 mm
+_BISECTIONS = 5  # bring the time of a contact down to 0.2 mm
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -45,8 +48,7 @@ class ClosingState(NamedTuple):
     touched: IntArray  # (n + 1,) 1 where the link touches
     p: Array  # (n + 1, 3) its contact
     n: Array  # (n + 1, 3) outward normal there
-    depth: Array  # (n + 1,) its distance while it is sought
-    work: Array  # (3, 3, 4)
+    gap: Array  # (m,) distance of a sphere when it was last looked at
 
 
 def close_hand(
@@ -91,8 +93,7 @@ def new_state(hand: HandArrays) -> ClosingState:
         np.zeros(n + 1, np.int64),
         np.zeros((n + 1, 3)),
         np.zeros((n + 1, 3)),
-        np.zeros(n + 1),
-        np.zeros((3, 3, 4)),
+        np.zeros(m),
     )
 
 
@@ -105,7 +106,7 @@ def above_table(
     table = field.table
     for link in range(len(state.X_WL)):
         for s in range(hand.first_sphere[link], hand.first_sphere[link + 1]):
-            x, y, z = sphere_at(hand, s, state.X_WL[link])
+            x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
             height = table[0] * x + table[1] * y + table[2] * z - table[3]
             if height < hand.sphere_radius[s] - CONTACT_M:
                 return False
@@ -121,7 +122,7 @@ def open_clearance(
     least = np.inf
     for link in range(len(state.X_WL)):
         for s in range(hand.first_sphere[link], hand.first_sphere[link + 1]):
-            x, y, z = sphere_at(hand, s, state.X_WL[link])
+            x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
             distance = signed_distance(field, x, y, z) - hand.sphere_radius[s]
             state.due[s] = distance
             least = min(least, distance)
@@ -153,7 +154,7 @@ def advance(
         for link in range(len(state.X_WL)):
             for s in range(hand.first_sphere[link], hand.first_sphere[link + 1]):
                 if state.due[s] <= moved + CONTACT_M:
-                    x, y, z = sphere_at(hand, s, state.X_WL[link])
+                    x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
                     distance = signed_distance(field, x + moved * a, y + moved * b, z + moved * c)
                     distance -= hand.sphere_radius[s]
                     if distance <= CONTACT_M:
@@ -225,7 +226,7 @@ def _open(hand: HandArrays, motion: MotionArrays, X_WH: Array, state: ClosingSta
     for j in range(len(state.angles)):
         state.angles[j] = motion.angles[0, j]
     copy_pose(X_WH, state.X_WL[0])
-    place_joints(hand, state.angles, 0, len(state.angles), state.X_WL, state.work)
+    place_joints(hand, state.angles, 0, len(state.angles), state.X_WL)
 
 
 @njit(cache=True)
@@ -241,9 +242,11 @@ def _finger_spheres(hand: HandArrays, finger: int) -> tuple[int, int]:
 def _set_due(hand: HandArrays, motion: MotionArrays, finger: int, state: ClosingState) -> None:
     """Turn the open hand's distances into times before which no sphere can touch."""
     first, last = _finger_spheres(hand, finger)
+    first_joint = hand.first_joint[finger] if finger >= 0 else 0
+    last_joint = hand.first_joint[finger + 1] if finger >= 0 else 0
     for s in range(first, last):
-        speed = motion.hand_speed
-        for j in range(len(motion.joint_rate)):
+        speed = motion.hand_speed[s]
+        for j in range(first_joint, last_joint):
             speed += hand.sphere_lever[s, j] * motion.joint_rate[j]
         state.due[s] = state.due[s] / max(speed, 1e-9)
 
@@ -252,11 +255,15 @@ def _set_due(hand: HandArrays, motion: MotionArrays, finger: int, state: Closing
 def _place_hand(motion: MotionArrays, time: float, state: ClosingState) -> None:
     knot = min(int(time * (len(motion.angles) - 1)), len(motion.angles) - 2)
     part = time * (len(motion.angles) - 1) - knot
+    path, start, X_WL = motion.X_H0H, state.X_WH0, state.X_WL
+    for j in range(4):
+        x = path[knot, 0, j] + part * (path[knot + 1, 0, j] - path[knot, 0, j])
+        y = path[knot, 1, j] + part * (path[knot + 1, 1, j] - path[knot, 1, j])
+        z = path[knot, 2, j] + part * (path[knot + 1, 2, j] - path[knot, 2, j])
+        for i in range(3):
+            X_WL[0, i, j] = start[i, 0] * x + start[i, 1] * y + start[i, 2] * z
     for i in range(3):
-        for j in range(4):
-            a, b = motion.X_H0H[knot, i, j], motion.X_H0H[knot + 1, i, j]
-            state.work[0, i, j] = a + part * (b - a)
-    compose(state.X_WH0, state.work[0], state.X_WL[0])
+        X_WL[0, i, 3] += start[i, 3]
 
 
 @njit(cache=True)
@@ -268,7 +275,7 @@ def _move_joints(
     for j in range(first, last):
         a, b = motion.angles[knot, j], motion.angles[knot + 1, j]
         state.angles[j] = a + part * (b - a)
-    place_joints(hand, state.angles, first, last, state.X_WL, state.work)
+    place_joints(hand, state.angles, first, last, state.X_WL)
 
 
 @njit(cache=True)
@@ -286,22 +293,78 @@ def _run(
 
     With the hand moving, the first contact ends the run and is not recorded.
     """
-    first = hand.first_joint[finger] if finger >= 0 else 0
     last = hand.first_joint[finger + 1] if finger >= 0 else 0
-    locked, time = first, start
+    locked = hand.first_joint[finger] if finger >= 0 else 0
+    step = _LEAST_STEP if finger >= 0 else _LEAST_PALM_STEP
+    before, time = start, start
     while True:
-        if with_hand:
-            _place_hand(motion, time, state)
-            place_joints(hand, state.angles, first, locked, state.X_WL, state.work)
-        _move_joints(hand, motion, time, locked, last, state)
-        touching, upcoming = _look(hand, field, motion, finger, locked, time, with_hand, state)
-        if touching >= 0 and with_hand:
-            return time
-        locked = max(locked, touching)
+        _move(hand, motion, finger, locked, time, with_hand, state)
+        touching, least, due = _look(hand, field, motion, finger, locked, time, with_hand, state)
+        if touching >= 0 and least < -CONTACT_M and time > before:
+            time, touching = _step_back(
+                hand, field, motion, finger, locked, before, time, with_hand, state
+            )
+        if touching >= 0:
+            if with_hand:
+                return time
+            _record_touching(hand, field, locked, touching, state)
+            locked = touching
+            before = time
         if time >= end or (finger >= 0 and locked == last):
             return time
         if touching < 0:
-            time = min(upcoming, end)
+            before, time = time, min(max(due, time + step), end)
+
+
+@njit(cache=True)
+def _step_back(
+    hand: HandArrays,
+    field: FieldArrays,
+    motion: MotionArrays,
+    finger: int,
+    locked: int,
+    free: float,
+    deep: float,
+    with_hand: bool,
+    state: ClosingState,
+) -> tuple[float, int]:
+    """Time of the contact between a time without one and one inside, and the link there.
+
+    The finger, and the hand if it moves, stand at that time afterwards.
+    """
+    touching, least, time = -1, 0.0, deep
+    for _ in range(_BISECTIONS):
+        time = 0.5 * (free + deep)
+        _move(hand, motion, finger, locked, time, with_hand, state)
+        touching, least, _ = _look(hand, field, motion, finger, locked, time, with_hand, state)
+        if touching < 0:
+            free = time
+        elif least >= -CONTACT_M:
+            return time, touching
+        else:
+            deep = time
+    if touching < 0:
+        time = deep
+        _move(hand, motion, finger, locked, time, with_hand, state)
+        touching, least, _ = _look(hand, field, motion, finger, locked, time, with_hand, state)
+    return time, touching
+
+
+@njit(cache=True)
+def _move(
+    hand: HandArrays,
+    motion: MotionArrays,
+    finger: int,
+    locked: int,
+    time: float,
+    with_hand: bool,
+    state: ClosingState,
+) -> None:
+    """Place the hand, where it moves, and the joints of a finger that are not locked."""
+    if with_hand:
+        _place_hand(motion, time, state)
+    if finger >= 0:
+        _move_joints(hand, motion, time, locked, hand.first_joint[finger + 1], state)
 
 
 @njit(cache=True)
@@ -314,39 +377,52 @@ def _look(
     time: float,
     with_hand: bool,
     state: ClosingState,
-) -> tuple[int, float]:
-    """The outermost link that touches (else -1), and when the next sphere is due."""
+) -> tuple[int, float, float]:
+    """The outermost link that touches (else -1), how near it is, and when to look again.
+
+    `state.due` stays at or before `time` for spheres that touch.
+    """
     first = locked + 1 if finger >= 0 else 0
     last = hand.first_joint[finger + 1] + 1 if finger >= 0 else 1
-    touching, upcoming = -1, np.inf
+    touching, least, upcoming = -1, np.inf, np.inf
     for link in range(first, last):
-        state.depth[link] = np.inf
         for s in range(hand.first_sphere[link], hand.first_sphere[link + 1]):
             if state.due[s] <= time + _EARLY:
-                x, y, z = sphere_at(hand, s, state.X_WL[link])
+                x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
                 distance = signed_distance(field, x, y, z) - hand.sphere_radius[s]
+                state.gap[s] = distance
                 if distance <= CONTACT_M:
-                    touching = link
-                    if not with_hand and distance < state.depth[link]:
-                        _record(hand, field, link, s, distance, state)
+                    touching, least = link, min(least, distance)
+                    state.due[s] = 0.0
                     continue
-                speed = motion.hand_speed if with_hand else 0.0
+                speed = motion.hand_speed[s] if with_hand else 0.0
                 for j in range(locked, last - 1):
                     speed += hand.sphere_lever[s, j] * motion.joint_rate[j]
                 state.due[s] = time + distance / max(speed, 1e-9)
             upcoming = min(upcoming, state.due[s])
-    return touching, upcoming
+    return touching, least, upcoming
 
 
 @njit(cache=True)
-def _record(
-    hand: HandArrays, field: FieldArrays, link: int, s: int, distance: float, state: ClosingState
+def _record_touching(
+    hand: HandArrays, field: FieldArrays, locked: int, touching: int, state: ClosingState
 ) -> None:
+    """Note the deepest contact of each link up to the outermost that touches."""
+    for link in range(locked + 1, touching + 1):
+        deepest, gap = -1, CONTACT_M
+        for s in range(hand.first_sphere[link], hand.first_sphere[link + 1]):
+            if state.due[s] <= 0 and state.gap[s] <= gap:
+                deepest, gap = s, state.gap[s]
+        if deepest >= 0:
+            _record(hand, field, link, deepest, state)
+
+
+@njit(cache=True)
+def _record(hand: HandArrays, field: FieldArrays, link: int, s: int, state: ClosingState) -> None:
     """Note a link's contact, unless it lies at or below the table's top."""
-    state.depth[link] = distance
-    x, y, z = sphere_at(hand, s, state.X_WL[link])
+    x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
     nx, ny, nz = outward_normal(field, x, y, z)
-    away = distance + hand.sphere_radius[s]
+    away = signed_distance(field, x, y, z)
     px, py, pz = x - away * nx, y - away * ny, z - away * nz
     table = field.table
     if table[0] * px + table[1] * py + table[2] * pz - table[3] < CONTACT_M:
@@ -358,12 +434,14 @@ def _record(
 
 @njit(cache=True)
 def _touch_palm(hand: HandArrays, field: FieldArrays, state: ClosingState) -> None:
-    state.depth[0] = _PALM_CONTACT_M
+    nearest, gap = -1, _PALM_CONTACT_M
     for s in range(hand.first_sphere[0], hand.first_sphere[1]):
-        x, y, z = sphere_at(hand, s, state.X_WL[0])
+        x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, 0)
         distance = signed_distance(field, x, y, z) - hand.sphere_radius[s]
-        if distance < state.depth[0]:
-            _record(hand, field, 0, s, distance, state)
+        if distance < gap:
+            nearest, gap = s, distance
+    if nearest >= 0:
+        _record(hand, field, 0, nearest, state)
 
 
 @njit(cache=True)

@@ -16,6 +16,7 @@ from vh_drake.hand.model import HandModel
 from vh_drake.types import Array
 
 MOTIONS = ("collect", "side")
+_MARGIN = 1.1  # on speeds that are sampled at the knots
 
 
 @dc.dataclass
@@ -35,7 +36,7 @@ class MotionArrays(NamedTuple):
 
     X_H0H: Array  # (k, 3, 4) hand in its start pose
     angles: Array  # (k, n) free-space joint angles
-    hand_speed: float  # largest speed of any sphere by the hand's own motion [m per unit time]
+    hand_speed: Array  # (m,) bound on each sphere's speed by the hand's motion [m per unit time]
     joint_rate: Array  # (n,) largest joint speeds [rad per unit time]
     moving: bool  # whether the hand moves at all
 
@@ -123,14 +124,18 @@ def motion_of(name: str, hand: HandModel, collect: CollectSettings) -> MotionArr
 
 def _motion(hand: HandModel, X_H0H: Array, angles: Array) -> MotionArrays:
     steps = len(angles) - 1
-    reach = hand.arrays.sphere_lever.max() + np.linalg.norm(hand.arrays.sphere_center, axis=1).max()
-    turn = np.linalg.norm(np.diff(X_H0H[:, :, :3], axis=0), axis=(1, 2))
-    shift = np.linalg.norm(np.diff(X_H0H[:, :, 3], axis=0), axis=1)
-    hand_speed = float((shift + turn * reach).max() * steps)
+    centers = np.array([hand.spheres(q)[0] for q in angles])
+    change = np.diff(X_H0H, axis=0) * steps
+    speeds = [
+        np.linalg.norm(p @ dX[:, :3].T + dX[:, 3], axis=1)
+        for dX, at in zip(change, range(steps), strict=True)
+        for p in (centers[at], centers[at + 1])
+    ]
+    hand_speed = _MARGIN * np.max(speeds, axis=0)
     return MotionArrays(
         X_H0H=np.ascontiguousarray(X_H0H),
         angles=angles,
         hand_speed=hand_speed,
         joint_rate=np.abs(np.diff(angles, axis=0)).max(axis=0) * steps,
-        moving=hand_speed > 1e-9,
+        moving=bool(hand_speed.max() > 1e-9),
     )

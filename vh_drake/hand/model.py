@@ -2,6 +2,7 @@
 
 import dataclasses as dc
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import SceneGraphInspector
@@ -9,8 +10,9 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import (
+    BodyIndex,
     ForceElementIndex,
-    Joint,
+    Frame,
     JointIndex,
     PrismaticJoint,
     RevoluteJoint,
@@ -73,7 +75,8 @@ class HandModel:
         motion = self.tips(self.lower + step) - self.tips(self.lower)
         motion /= np.linalg.norm(motion, axis=1, keepdims=True)
         closing = np.asarray(self.description.closing)
-        return (motion @ closing / np.linalg.norm(closing) < _OPPOSES_BELOW).astype(np.int64)
+        opposing: IntArray = (motion @ _unit(closing) < _OPPOSES_BELOW).astype(np.int64)
+        return opposing
 
     def joint_angles(self, motor_fraction: Array) -> Array:
         """Free-space joint angles (..., n) where motors have gone fractions 0..1 (..., motors).
@@ -135,11 +138,11 @@ def read_hand_model(description: HandDescription) -> HandModel:
     lower, upper = _limits(handles)
     stiffness, preload = _springs(plant, handles, lower)
     arrays = _arrays(plant, inspector, context, bodies, handles, description)
-    lever = _levers(arrays, np.maximum(np.abs(lower), np.abs(upper)))
+    slides: Array = arrays.prismatic.astype(np.float64) * np.maximum(np.abs(lower), np.abs(upper))
     motors = [motor.joint for motor in description.motors]
     return HandModel(
         description=description,
-        arrays=arrays._replace(sphere_lever=lever),
+        arrays=arrays._replace(sphere_lever=_levers(arrays, slides)),
         joints=joints,
         links=links,
         lower=lower,
@@ -156,7 +159,7 @@ def _parse(
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.001)
     try:
-        Parser(plant).AddModels(description.model)
+        Parser(plant).AddModels(Path(description.model))
         plant.Finalize()
     except Exception as error:  # The parser raises many types; all mean an unusable file.
         raise BadInput(f"can't read the hand model {description.model}: {error}") from error
@@ -165,12 +168,13 @@ def _parse(
 
 def _body(plant: MultibodyPlant, name: str) -> RigidBody:
     if not plant.HasBodyNamed(name):
-        names = [plant.get_body(i).name() for i in plant.GetBodyIndices(plant.GetModelInstanceByName(plant.GetModelInstanceName(plant.get_joint(JointIndex(0)).model_instance())))]
+        names = [plant.get_body(BodyIndex(i)).name() for i in range(plant.num_bodies())]
         raise UnknownName("link of the hand", name, names)
-    return plant.GetBodyByName(name)
+    body: RigidBody = plant.GetBodyByName(name)
+    return body
 
 
-def _joint(plant: MultibodyPlant, name: str) -> Joint:
+def _joint(plant: MultibodyPlant, name: str) -> RevoluteJoint | PrismaticJoint:
     if not plant.HasJointNamed(name):
         names = [plant.get_joint(index).name() for index in plant.GetJointIndices()]
         raise UnknownName("joint of the hand", name, names)
@@ -180,7 +184,7 @@ def _joint(plant: MultibodyPlant, name: str) -> Joint:
     return joint
 
 
-def _limits(joints: list[Joint]) -> tuple[Array, Array]:
+def _limits(joints: list[RevoluteJoint | PrismaticJoint]) -> tuple[Array, Array]:
     lower = np.array([joint.position_lower_limits()[0] for joint in joints])
     upper = np.array([joint.position_upper_limits()[0] for joint in joints])
     for joint, low, high in zip(joints, lower, upper, strict=True):
@@ -189,7 +193,7 @@ def _limits(joints: list[Joint]) -> tuple[Array, Array]:
     return lower, upper
 
 
-def _springs(plant: MultibodyPlant, joints: list[Joint], lower: Array) -> tuple[Array, Array]:
+def _springs(plant: MultibodyPlant, joints: list[RevoluteJoint | PrismaticJoint], lower: Array) -> tuple[Array, Array]:
     """Stiffness and pretension of each joint; joints without a spring share evenly."""
     stiffness, preload = np.ones(len(joints)), np.zeros(len(joints))
     places = {joint.index(): i for i, joint in enumerate(joints)}
@@ -207,26 +211,23 @@ def _arrays(
     inspector: SceneGraphInspector,
     context: Context,
     bodies: list[RigidBody],
-    joints: list[Joint],
+    joints: list[RevoluteJoint | PrismaticJoint],
     description: HandDescription,
 ) -> HandArrays:
     carriers = _carriers(plant, bodies)
     X_WB = {i: plant.EvalBodyPoseInWorld(context, plant.get_body(i)) for i in carriers}
-    parents, X_PF, X_ML = [], [], []
+    parents, X_PL = [], []
     for joint in joints:
         parent = carriers[joint.parent_body().index()]
         X_WP = X_WB[bodies[parent].index()]
         X_WF = X_WB[joint.parent_body().index()] @ _pose_in_body(joint.frame_on_parent())
         parents.append(parent)
-        X_PF.append(_rows(X_WP.inverse() @ X_WF))
-        X_ML.append(_rows(_pose_in_body(joint.frame_on_child()).inverse()))
+        X_PL.append(_joint_terms(joint, X_WP.inverse() @ X_WF))
     centers, radii, first_sphere = _spheres(plant, inspector, bodies, carriers, X_WB)
     counts = [len(finger.joints) for finger in description.fingers]
     return HandArrays(
         parent=np.array(parents, dtype=np.int64),
-        X_PF=np.array(X_PF),
-        X_ML=np.array(X_ML),
-        axis=np.array([_axis(joint) for joint in joints]),
+        X_PL=np.array(X_PL),
         prismatic=np.array([isinstance(j, PrismaticJoint) for j in joints], dtype=np.int64),
         first_joint=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
         sphere_center=centers,
@@ -236,7 +237,7 @@ def _arrays(
     )
 
 
-def _carriers(plant: MultibodyPlant, bodies: list[RigidBody]) -> dict[object, int]:
+def _carriers(plant: MultibodyPlant, bodies: list[RigidBody]) -> dict[BodyIndex, int]:
     """The link that carries each body of the hand: itself, or the next one inwards."""
     carriers = {body.index(): i for i, body in enumerate(bodies)}
     inward = {}
@@ -256,8 +257,8 @@ def _spheres(
     plant: MultibodyPlant,
     inspector: SceneGraphInspector,
     bodies: list[RigidBody],
-    carriers: dict[object, int],
-    X_WB: dict[object, RigidTransform],
+    carriers: dict[BodyIndex, int],
+    X_WB: dict[BodyIndex, RigidTransform],
 ) -> tuple[Array, Array, IntArray]:
     """Centres in their links, radii, and where each link's begin; sorted by link."""
     found: list[list[tuple[Array, Array]]] = [[] for _ in bodies]
@@ -276,43 +277,62 @@ def _spheres(
     return np.vstack([c for c, _ in flat]), np.concatenate([r for _, r in flat]), first
 
 
-def _levers(arrays: HandArrays, travel: Array) -> Array:
-    """Upper bounds (m, n) on how far a sphere moves per rad (or m) of a joint.
+def _levers(arrays: HandArrays, slides: Array) -> Array:
+    """Bounds (m, n) on how far a sphere moves per rad (or m) of a joint; 0 where it does not.
 
-    Along the chain from a joint's axis to the sphere, lengths add up whatever the angles are;
-    0 where the joint does not move the sphere, 1 where it slides.
+    From a joint's axis to the sphere, the lengths of the links between add up whatever the
+    angles are. Slides lengthen them by as much as `slides` (n,).
     """
-    levers = np.zeros((len(arrays.sphere_radius), len(arrays.parent)))
-    for link in range(1, len(arrays.parent) + 1):
-        own = slice(arrays.first_sphere[link], arrays.first_sphere[link + 1])
-        j = link - 1
-        reach = np.linalg.norm(
-            arrays.sphere_center[own] @ arrays.X_ML[j, :, :3].T + arrays.X_ML[j, :, 3], axis=1
-        )
+    zero = np.zeros(len(arrays.parent))
+    X_HL = link_poses(arrays, np.eye(4), zero)
+    origins = _joint_origins(arrays, X_HL)
+    centers = sphere_centers(arrays, X_HL)
+    levers = np.zeros((len(centers), len(zero)))
+    for j in range(len(zero)):
+        own = slice(arrays.first_sphere[j + 1], arrays.first_sphere[j + 2])
+        reach, at = np.linalg.norm(centers[own] - origins[j], axis=1), j
         while True:
-            levers[own, j] = 1.0 if arrays.prismatic[j] else reach
-            reach = reach + (travel[j] if arrays.prismatic[j] else 0.0)
-            parent = int(arrays.parent[j])
-            if parent == 0:
+            levers[own, at] = 1.0 if arrays.prismatic[at] else reach
+            inner = int(arrays.parent[at]) - 1
+            if inner < 0:
                 break
-            reach = reach + np.linalg.norm(
-                arrays.X_ML[parent - 1, :, :3] @ arrays.X_PF[j, :, 3] + arrays.X_ML[parent - 1, :, 3]
-            )
-            j = parent - 1
+            reach = reach + slides[at] + np.linalg.norm(origins[at] - origins[inner])
+            at = inner
     return levers
 
 
-def _axis(joint: Joint) -> Array:
-    revolute = isinstance(joint, RevoluteJoint)
-    axis = joint.revolute_axis() if revolute else joint.translation_axis()
-    unit: Array = np.asarray(axis) / np.linalg.norm(axis)
+def _joint_origins(arrays: HandArrays, X_HL: Array) -> Array:
+    """A point (n, 3) on each joint's axis, in H with all joints at 0 [m].
+
+    It is the one nearest to the moved link's origin: where the angle's sine and cosine move
+    that origin p to a + s b + c d, the axis runs through a where d is perpendicular to it.
+    """
+    local = arrays.X_PL[:, 0, :, 3]
+    parents = X_HL[arrays.parent]
+    origins: Array = np.einsum("nij,nj->ni", parents[:, :, :3], local) + parents[:, :, 3]
+    return origins
+
+
+def _joint_terms(joint: RevoluteJoint | PrismaticJoint, X_PF: RigidTransform) -> Array:
+    """The three terms of `HandArrays.X_PL` for one joint (3, 3, 4)."""
+    terms = np.zeros((3, 4, 4))
+    if isinstance(joint, PrismaticJoint):
+        terms[0], terms[1, :3, 3] = np.eye(4), _unit(joint.translation_axis())
+    else:
+        x, y, z = axis = _unit(joint.revolute_axis())
+        terms[0, :3, :3], terms[0, 3, 3] = np.outer(axis, axis), 1.0
+        terms[1, :3, :3] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
+        terms[2, :3, :3] = np.eye(3) - np.outer(axis, axis)
+    X_ML = _pose_in_body(joint.frame_on_child()).inverse().GetAsMatrix4()
+    placed: Array = (X_PF.GetAsMatrix4() @ terms @ X_ML)[:, :3]
+    return placed
+
+
+def _unit(v: Array) -> Array:
+    unit: Array = np.asarray(v, np.float64) / np.linalg.norm(v)
     return unit
 
 
-def _pose_in_body(frame: object) -> RigidTransform:
-    return frame.GetFixedPoseInBodyFrame()  # type: ignore[attr-defined]
-
-
-def _rows(X: RigidTransform) -> Array:
-    rows: Array = X.GetAsMatrix34()
-    return rows
+def _pose_in_body(frame: Frame) -> RigidTransform:
+    pose: RigidTransform = frame.GetFixedPoseInBodyFrame()
+    return pose
