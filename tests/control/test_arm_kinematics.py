@@ -98,7 +98,7 @@ def test_home_lies_well_within_the_limits_and_over_the_table(side):
     arm = ArmKinematics(side)
     home = home_configuration(side)
     room = np.minimum(home - arm.lower, arm.upper - home)
-    assert room.min() > 0.2
+    assert room.min() > 0.1
     x, y, z = arm.pose(home)[:3, 3]
     assert 0.4 < x < 0.6
     assert 0.35 < abs(y) < 0.5
