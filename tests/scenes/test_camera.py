@@ -38,11 +38,13 @@ def scene(settings, *, render, seed=0, roll=0.0):
     X_PC = X_WC @ RigidTransform(RotationMatrix.MakeZRotation(roll), [0, 0, 0])
     camera = make_depth_camera(builder, scene_graph, frame, X_PC, settings, seed, render=render)
     diagram = builder.Build()
-    return camera, camera.GetMyContextFromRoot(diagram.CreateDefaultContext())
+    return diagram, camera
 
 
 def depth(settings, *, render, roll):
-    camera, context = scene(settings, render=render, roll=roll)
+    diagram, camera = scene(settings, render=render, roll=roll)
+    root = diagram.CreateDefaultContext()  # It owns the camera's context.
+    context = camera.GetMyContextFromRoot(root)
     return camera.GetOutputPort("depth_image").Eval(context).data[:, :, 0].copy()
 
 
@@ -59,7 +61,9 @@ def test_rendering_and_ray_casting_see_the_same():
 
 @pytest.mark.parametrize("render", [None, False])
 def test_the_can_is_segmented_from_the_camera_s_cloud(render):
-    camera, context = scene(CameraSettings(), render=render)
+    diagram, camera = scene(CameraSettings(), render=render)
+    root = diagram.CreateDefaultContext()
+    context = camera.GetMyContextFromRoot(root)
     seen = segment(camera.GetOutputPort("cloud").Eval(context))
     radius = np.linalg.norm(seen.p_WO[:, :2] - [0.7, -0.3], axis=1)
     assert len(seen.p_WO) > 500

@@ -66,7 +66,8 @@ def test_a_box_is_seen_at_its_height_and_the_rest_is_infinite():
 
 def test_the_pose_is_that_of_the_optical_frame():
     diagram, caster = diagram_with(Sphere(0.1), RigidTransform())
-    context = caster.GetMyContextFromRoot(diagram.CreateDefaultContext())
+    root = diagram.CreateDefaultContext()  # It owns the caster's context.
+    context = caster.GetMyContextFromRoot(root)
     pose = caster.GetOutputPort("body_pose_in_world").Eval(context)
     assert pose.IsExactlyEqualTo(looking_down(1.5))
 
