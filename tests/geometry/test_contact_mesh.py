@@ -26,5 +26,7 @@ def test_deviation_of_concentric_balls_is_the_gap_between_them():
 
 
 def test_a_mesh_that_tears_when_simplified_gets_a_hull_at_least():
-    flakes = from_trimesh(trimesh.creation.box((0.1, 0.1, 1e-5)).subdivide().subdivide().subdivide())
+    flakes = from_trimesh(
+        trimesh.creation.box((0.1, 0.1, 1e-5)).subdivide().subdivide().subdivide()
+    )
     assert coarsen(flakes, triangles=12).mesh.is_watertight

@@ -33,7 +33,9 @@ def test_pieces_cover_the_shape_and_leave_its_notch_free(bracket, tmp_path):
     points, normals = sample_surface(bracket, 500, seed=0)
     assert covered(pieces, points - 0.003 * normals).mean() > 0.97
     assert not covered(pieces, np.array([[0.015, 0.0, 0.04]])).any()
-    assert sum(ConvexHull(piece).volume for piece in pieces) == pytest.approx(bracket.volume, rel=0.1)
+    assert sum(ConvexHull(piece).volume for piece in pieces) == pytest.approx(
+        bracket.volume, rel=0.1
+    )
 
 
 def test_the_opening_of_a_mug_stays_open(tmp_path):

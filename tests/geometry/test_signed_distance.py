@@ -82,11 +82,15 @@ def test_point_distance_agrees_with_a_numerical_minimisation():
             method="SLSQP",
             options={"ftol": 1e-14},
         )
-        assert distance_to_surface(triangle, p[None])[0] == pytest.approx(np.sqrt(found.fun), abs=1e-5)
+        assert distance_to_surface(triangle, p[None])[0] == pytest.approx(
+            np.sqrt(found.fun), abs=1e-5
+        )
 
 
 def test_a_triangle_without_area_measures_like_a_segment():
-    mesh = from_trimesh(trimesh.Trimesh([[0, 0, 0], [2, 0, 0], [1, 0, 0]], [[0, 1, 2]], process=False))
+    mesh = from_trimesh(
+        trimesh.Trimesh([[0, 0, 0], [2, 0, 0], [1, 0, 0]], [[0, 1, 2]], process=False)
+    )
     distances = distance_to_surface(mesh, np.array([[1.0, 3.0, 4.0], [-3.0, 4.0, 0.0]]))
     np.testing.assert_allclose(distances, [5.0, 5.0])
 
@@ -99,7 +103,9 @@ def test_winding_votes_survive_a_hole():
     np.testing.assert_array_equal(votes, truth)
 
 
-@pytest.mark.parametrize(("spacing", "padding"), [(0.0, 0.1), (-1.0, 0.1), (0.01, -0.1), (1e-6, 0.1)])
+@pytest.mark.parametrize(
+    ("spacing", "padding"), [(0.0, 0.1), (-1.0, 0.1), (0.01, -0.1), (1e-6, 0.1)]
+)
 def test_an_unusable_grid_is_refused(spacing, padding):
     with pytest.raises(BadInput):
         signed_distance_grid(BOX, spacing=spacing, padding=padding)

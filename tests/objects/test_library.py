@@ -25,7 +25,9 @@ SIDES_MM = {
 
 def test_the_library_holds_the_kinds_of_the_thesis():
     assert len(library_names()) >= 14
-    assert {"apple", "ball", "gelatin_box", "bottle", "shampoo", "spray_bottle"} <= set(library_names())
+    assert {"apple", "ball", "gelatin_box", "bottle", "shampoo", "spray_bottle"} <= set(
+        library_names()
+    )
     assert {"cereal_box", "can", "mug", "banana", "power_drill", "hammer"} <= set(library_names())
 
 
@@ -56,8 +58,12 @@ def test_building_takes_little_time_and_gives_the_same_bytes(name):
 
 def test_a_mug_is_hollow_and_its_wall_is_4_mm_thick():
     mug = library_object("mug").mesh
-    assert distance_to_surface(mug, np.array([[0.0, 0.0, 0.05]]))[0] == pytest.approx(0.037, abs=1e-3)
-    assert distance_to_surface(mug, np.array([[0.0, 0.039, 0.05]]))[0] == pytest.approx(0.002, abs=5e-4)
+    assert distance_to_surface(mug, np.array([[0.0, 0.0, 0.05]]))[0] == pytest.approx(
+        0.037, abs=1e-3
+    )
+    assert distance_to_surface(mug, np.array([[0.0, 0.039, 0.05]]))[0] == pytest.approx(
+        0.002, abs=5e-4
+    )
 
 
 def test_an_unknown_name_lists_the_choices():

@@ -5,8 +5,11 @@ texture or buffer that it names is opened.
 """
 
 import io
+import logging
 import re
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -85,10 +88,25 @@ def _check_content(path: Path, mesh: TriMesh) -> None:
         raise BadInput(f"{path}: coordinates beyond 1e9; the file is damaged or its unit is wrong")
 
 
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep a parser's own complaints about damaged files off the terminal."""
+    log = logging.getLogger("trimesh")
+    level = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        log.setLevel(level)
+
+
 def _parse_with_trimesh(data: bytes, file_type: str) -> TriMesh:
     """Let trimesh parse bytes, without any access to other files."""
     options = {"skip_materials": True} if file_type == "obj" else {}
-    loaded = trimesh.load(io.BytesIO(data), file_type=file_type, process=False, **options)
+    with _silence():
+        loaded = trimesh.load(io.BytesIO(data), file_type=file_type, process=False, **options)
     if isinstance(loaded, trimesh.PointCloud):
         return TriMesh(np.asarray(loaded.vertices, float), np.zeros((0, 3), np.int64))
     if isinstance(loaded, trimesh.Scene):

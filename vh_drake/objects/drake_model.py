@@ -28,7 +28,7 @@ from vh_drake.objects.primitives import BoxShape, CylinderShape, Primitive
 
 ContactModel = Literal["hydroelastic", "point"]
 _CONTACT_MODELS = ("hydroelastic", "point")
-_VISUAL_TRIANGLES = 3000
+VISUAL_TRIANGLES = 2500
 _RESOLUTION_HINT_M = 0.015
 _SUPPORT_POINTS = 24
 _SUPPORT_RADIUS_M = 5e-4
@@ -63,7 +63,7 @@ def add_object(
         raise UnknownName("contact model", contact, list(_CONTACT_MODELS))
     instance = plant.AddModelInstance(name)
     body = plant.AddRigidBody(name, instance, spatial_inertia(model))
-    visual = mesh_shape(simplify(model.mesh, _VISUAL_TRIANGLES), f"{name}_visual")
+    visual = mesh_shape(simplify(model.mesh, VISUAL_TRIANGLES), f"{name}_visual")
     plant.RegisterVisualGeometry(body, RigidTransform(), visual, f"{name}_visual", _COLOR)
     properties = _contact_properties(model.friction, contact)
     for i, (shape, X_OS) in enumerate(contact_shapes(model, contact)):
@@ -128,11 +128,8 @@ def mesh_shape(mesh: TriMesh, label: str) -> Mesh:
 
 def obj_text(mesh: TriMesh) -> str:
     """A mesh in Wavefront format, to a hundredth of a millimetre, with a normal a face."""
-    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.vertices]
-    lines += [f"vn {x:.4f} {y:.4f} {z:.4f}" for x, y, z in normals]
+    lines += [f"vn {x:.4f} {y:.4f} {z:.4f}" for x, y, z in mesh.face_normals]
     faces = enumerate(mesh.faces + 1, start=1)
     lines += [f"f {i}//{n} {j}//{n} {k}//{n}" for n, (i, j, k) in faces]
     return "\n".join([*lines, ""])
