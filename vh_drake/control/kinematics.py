@@ -20,11 +20,11 @@ TORSO_JOINT = "torso_joint"
 
 # The height from which the hand reaches most headings over a table of 0.9 m.
 TORSO_POSITION_M = 0.0
-# The power grasp's centre at (0.5, -0.45, 1.15), fingers 60 degrees to the left and 33 degrees
-# down: of the homes tried the one from which the controllers reach most poses around
-# (0.7, -0.3, 1.0), and at rest under null-space control. Elbow and hand leave the head
-# camera's view of the object free.
-HOME_RIGHT = np.array([0.092, -0.238, 1.431, 3.004, 2.042, 4.606, -0.501, -0.002])
+# The power grasp's centre at (0.42, -0.5, 1.15), fingers 50 degrees to the left and 46 degrees
+# down: from here the controllers reach nearly every pose around (0.7, -0.3, 1.0) that the arm
+# has, it is at rest under null-space control, and the hand stays 17 cm off the head camera's
+# line of sight to an object there.
+HOME_RIGHT = np.array([-0.042, -0.248, 1.575, 3.063, 2.158, 4.768, -0.364, 0.203])
 
 HAND_MASS_KG = 0.985765
 HAND_COM_H = (0.015, 0.0, -0.025)  # p_HHcm [m]
