@@ -24,7 +24,7 @@ class SurfaceSettings:
     point_std_m: float = 0.0015
     point_normal_std: float = 0.6
     contact_std_m: float = 0.001
-    contact_normal_std: float = 0.1
+    contact_normal_std: float = 0.2
     margin_m: float = 0.03  # grid beyond the data
     most_extent_m: float = 1.0  # what lies wider apart is no object
     least_spacing_m: float = 0.003
@@ -39,14 +39,15 @@ def data_grid(view: ObjectView, contacts: ContactSet, settings: SurfaceSettings)
     """
     p = np.vstack([view.p_WO, contacts.p_WC])
     foot = p - np.outer(view.table.height(p), view.table.normal)
-    low = np.minimum(p.min(axis=0), foot.min(axis=0) + settings.margin_m * np.array([0, 0, 0.7]))
-    widest = float((p.max(axis=0) - low).max())
+    low, high = np.minimum(p.min(axis=0), foot.min(axis=0)), p.max(axis=0)
+    widest = float((high - low).max())
     if widest > settings.most_extent_m:
         raise BadInput(
             f"points and contacts are spread over {widest:.2f} m, more than "
             f"{settings.most_extent_m:g} m; crop them to one object, in metres"
         )
-    low, high = low - settings.margin_m, p.max(axis=0) + settings.margin_m
+    low = low - settings.margin_m * np.array([1.0, 1.0, 0.3])  # the table clips what is below
+    high = high + settings.margin_m
     spacing = max(
         settings.least_spacing_m, float(np.prod(high - low) / settings.most_nodes) ** (1 / 3)
     )
@@ -57,7 +58,25 @@ def data_grid(view: ObjectView, contacts: ContactSet, settings: SurfaceSettings)
 def estimate_surface(
     view: ObjectView, contacts: ContactSet, settings: SurfaceSettings | None = None
 ) -> Surface:
-    """Closed surface of an object from one view and touches."""
+    """Closed surface of an object from one view and touches.
+
+    The mean of the Gaussian process is the prior shape's signed distance, its data are the
+    residuals of camera points and contacts; what reaches below the table is cut off there.
+
+    Args:
+        view: object points with normals, table, camera; without points the contacts count alone.
+        contacts: touches with normals.
+        settings: kernel, noise, resolution.
+
+    Returns:
+        Watertight mesh with outward normals and the potential's variance [m²] at the vertices,
+        and the potential on a grid [m].
+
+    Raises:
+        BadInput: neither points nor contacts, numbers that are not finite, normals that are not
+            of unit length, or data wider than `most_extent_m`.
+        IllConditionedKernel: the kernel can't hold the data.
+    """
     settings = settings or SurfaceSettings()
     require_finite(view, contacts)
     grid = data_grid(view, contacts, settings)
