@@ -1,0 +1,110 @@
+"""Grasp candidates and the chosen one in Meshcat."""
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.geometry import Meshcat
+from pydrake.systems.framework import Context
+
+from vh_drake.geometry.colors import score_colors
+from vh_drake.geometry.glyphs import ColorMesh, arrows, joined, tube
+from vh_drake.grasping.phases import hand_is_open
+from vh_drake.grasping.story import GraspRecord, Story
+from vh_drake.hand.model import HandModel
+from vh_drake.systems.meshcat_publisher import PERIOD_S, MeshcatPublisher, Picture
+from vh_drake.types import Array, Candidates, GraspScores
+
+MOST = 60  # candidates, spread over the scores, that a picture bears
+ARROW_M, SHAFT_M = 0.06, 0.0016
+CHOSEN_COLOR, BONE_M = (0.1, 0.3, 1.0), 0.004
+
+
+class CandidatesPublisher(MeshcatPublisher):
+    """Shows candidates as arrows, red to green by score, and the chosen hand in blue.
+
+    .. pydrake_system::
+
+        name: CandidatesPublisher
+        input_ports:
+        - candidates
+        - scores
+        - story
+        - phase
+
+    | port       | direction | type        | unit | meaning              |
+    |------------|-----------|-------------|------|----------------------|
+    | candidates | in        | Candidates  | m    | grasps               |
+    | scores     | in        | GraspScores | -    | their ratings        |
+    | story      | in        | Story       | -    | names the chosen one |
+    | phase      | in        | str         | -    | of the behaviour     |
+
+    An arrow ends in the hand's power TCP and points where the hand approaches. All disappear
+    when the hand closes.
+
+    Args:
+        hand: whose candidates they are.
+        meshcat: where it draws.
+        path: under which it draws.
+        period_s: between two looks.
+    """
+
+    def __init__(
+        self,
+        hand: HandModel,
+        meshcat: Meshcat,
+        path: str = "/candidates",
+        *,
+        period_s: float = PERIOD_S,
+    ) -> None:
+        super().__init__(meshcat, path, period_s)
+        self._hand = hand
+        self._inputs = {
+            name: self.DeclareAbstractInputPort(name, Value[object](value))
+            for name, value in (
+                ("candidates", Candidates()),
+                ("scores", GraspScores()),
+                ("story", Story()),
+                ("phase", ""),
+            )
+        }
+
+    def picture(self, context: Context) -> Picture:
+        """Rated candidates and what was chosen of them."""
+        candidates, scores, story, phase = (port.Eval(context) for port in self._inputs.values())
+        rated = len(candidates) == len(scores.score) > 0
+        if not (rated and hand_is_open(phase)):
+            return ()
+        chosen = story.grasps[-1] if story.grasps and phase.startswith("grasp") else None
+        return candidates, scores, chosen
+
+    def draw(self, path: str, *picture: object) -> None:
+        """Puts arrows and the chosen hand under a path."""
+        candidates, scores, chosen = picture
+        assert isinstance(candidates, Candidates)
+        assert isinstance(scores, GraspScores)
+        parts = [self._arrows(candidates.X_WH, scores.score)]
+        if isinstance(chosen, GraspRecord):
+            parts.append(self._skeleton(chosen.X_WH))
+        self.draw_mesh(path, joined(parts))
+
+    def _arrows(self, X_WH: Array, score: Array) -> ColorMesh:
+        ranked = np.argsort(-score, kind="stable")
+        shown = ranked[np.unique(np.linspace(0, len(ranked) - 1, MOST).round().astype(int))]
+        description = self._hand.description
+        approach = np.asarray(description.approach, float)
+        direction = X_WH[shown, :3, :3] @ (approach / np.linalg.norm(approach))
+        tcp = X_WH[shown, :3, :3] @ np.asarray(description.tcps["power"]) + X_WH[shown, :3, 3]
+        colors = score_colors(score[shown])
+        return arrows(tcp - ARROW_M * direction, direction, colors, length=ARROW_M, radius=SHAFT_M)
+
+    def _skeleton(self, X_WH: Array) -> ColorMesh:
+        """Bones of the open hand, from the wrist to the tips of the fingers."""
+        hand = self._hand
+        joints = hand.link_poses(hand.lower)[:, :3, 3]
+        tips = hand.tips(hand.lower)
+        bones = []
+        for finger, tip in enumerate(tips):
+            own = joints[hand.finger_of_link == finger]
+            p_H = np.vstack([joints[:1], own, tip])
+            p_W = p_H @ X_WH[:3, :3].T + X_WH[:3, 3]
+            bones.append(tube(p_W, np.array(CHOSEN_COLOR), radius=BONE_M))
+        return joined(bones)
