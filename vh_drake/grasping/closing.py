@@ -453,7 +453,11 @@ def signed_distance(field: FieldArrays, x: float, y: float, z: float) -> float:
     """
     values = field.values
     scale = 1.0 / field.spacing
-    u, v, w = (x - field.origin[0]) * scale, (y - field.origin[1]) * scale, (z - field.origin[2]) * scale
+    u, v, w = (
+        (x - field.origin[0]) * scale,
+        (y - field.origin[1]) * scale,
+        (z - field.origin[2]) * scale,
+    )
     cu = min(max(u, 0.0), values.shape[0] - 1.0)
     cv = min(max(v, 0.0), values.shape[1] - 1.0)
     cw = min(max(w, 0.0), values.shape[2] - 1.0)

@@ -93,7 +93,11 @@ def fill_wrenches(
         b = nx * ny * a
         t1 = (1.0 + sign * nx * nx * a, sign * b, -sign * nx)
         t2 = (b, sign + ny * ny * a, -ny)
-        r = ((p[c, 0] - center[0]) / size, (p[c, 1] - center[1]) / size, (p[c, 2] - center[2]) / size)
+        r = (
+            (p[c, 0] - center[0]) / size,
+            (p[c, 1] - center[1]) / size,
+            (p[c, 2] - center[2]) / size,
+        )
         for e in range(edges):
             angle = 2 * np.pi * e / edges
             u, v = friction * np.cos(angle), friction * np.sin(angle)

@@ -61,9 +61,7 @@ def place_joints(hand: HandArrays, angles: Array, first: int, last: int, X_WL: A
 
 
 @njit(cache=True)
-def sphere_at(
-    centers: Array, s: int, X_WL: Array, link: int
-) -> tuple[float, float, float]:
+def sphere_at(centers: Array, s: int, X_WL: Array, link: int) -> tuple[float, float, float]:
     """Centre of sphere s, given in its link, where the link has pose X_WL[link]."""
     x, y, z = centers[s, 0], centers[s, 1], centers[s, 2]
     X = X_WL

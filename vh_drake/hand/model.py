@@ -189,11 +189,15 @@ def _limits(joints: list[RevoluteJoint | PrismaticJoint]) -> tuple[Array, Array]
     upper = np.array([joint.position_upper_limits()[0] for joint in joints])
     for joint, low, high in zip(joints, lower, upper, strict=True):
         if not (np.isfinite([low, high]).all() and low < high):
-            raise BadInput(f"joint {joint.name()!r} has limits {low:g} to {high:g}; set finite ones")
+            raise BadInput(
+                f"joint {joint.name()!r} has limits {low:g} to {high:g}; set finite ones"
+            )
     return lower, upper
 
 
-def _springs(plant: MultibodyPlant, joints: list[RevoluteJoint | PrismaticJoint], lower: Array) -> tuple[Array, Array]:
+def _springs(
+    plant: MultibodyPlant, joints: list[RevoluteJoint | PrismaticJoint], lower: Array
+) -> tuple[Array, Array]:
     """Stiffness and pretension of each joint; joints without a spring share evenly."""
     stiffness, preload = np.ones(len(joints)), np.zeros(len(joints))
     places = {joint.index(): i for i, joint in enumerate(joints)}
