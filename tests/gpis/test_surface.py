@@ -49,7 +49,7 @@ def test_a_touch_brings_the_surface_to_the_contact():
         surface = estimate_surface(view_of(shape), contacts, COARSE)
         distance, nearest = cKDTree(surface.vertices).query(contacts.p_WC)
         assert distance.max() < 0.005
-        assert np.einsum("ij,ij->i", surface.normals[nearest], contacts.n_WC).min() > 0.9
+        assert np.einsum("ij,ij->i", surface.normals[nearest], contacts.n_WC).min() > 0.85
 
 
 def test_touches_lower_error_and_variance_at_the_back():

@@ -12,7 +12,8 @@ of one magnitude; arguments and results are in metres.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.linalg import cho_solve, cholesky
+from scipy.linalg.blas import dtrsm
 
 from vh_drake.errors import IllConditionedKernel
 from vh_drake.gpis.kernels import (
@@ -58,7 +59,7 @@ class Posterior:
         cross = _covariance(
             self.kernel, self._centres(), self.observations.row_starts(), points, _values(points)
         )
-        half = solve_triangular(self.factor, cross, lower=True, check_finite=False)
+        half = _solve_lower(self.factor, cross)
         prior = (self.kernel.signal_std_m / SCALE_M) ** 2
         variance: Array = SCALE_M**2 * np.maximum(prior - np.einsum("ij,ij->j", half, half), 0.0)
         return variance
@@ -80,7 +81,7 @@ class Posterior:
         cross = _covariance(
             self.kernel, old, self.observations.row_starts(), new, observations.row_starts()
         )
-        side = solve_triangular(self.factor, cross, lower=True, check_finite=False)
+        side = _solve_lower(self.factor, cross)
         corner = _cholesky(
             _noisy_covariance(self.kernel, observations) - side.T @ side, self.kernel
         )
@@ -155,6 +156,15 @@ def _scaled(kernel: Kernel) -> tuple[int, float, float]:
 
 def _values(points: Array) -> IntArray:
     return np.arange(len(points) + 1, dtype=np.int64)
+
+
+def _solve_lower(factor: Array, cross: Array) -> Array:
+    """L⁻¹ B in place of B; transposed, since BLAS keeps columns together."""
+    transposed = dtrsm(
+        1.0, np.asfortranarray(factor), cross.T, side=1, lower=1, trans_a=1, overwrite_b=1
+    )
+    half: Array = transposed.T
+    return half
 
 
 def _cholesky(K: Array, kernel: Kernel) -> Array:

@@ -58,11 +58,11 @@ class DepthImage:
 
 
 def point_spacing(p: Array) -> float:
-    """Typical distance between neighbouring points (n, 3); 0 for fewer than two [m]."""
+    """The spacing that nine of ten points (n, 3) keep to a neighbour; 0 for fewer than two [m]."""
     if len(p) < 2:
         return 0.0
     distance, _ = cKDTree(p).query(p, k=2)
-    return float(np.median(distance[:, 1]))
+    return float(np.quantile(distance[:, 1], 0.9))
 
 
 def look_at_rotation(p_from: Array, p_to: Array) -> Array:
