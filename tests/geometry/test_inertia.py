@@ -20,7 +20,9 @@ def test_a_box_has_its_closed_form_inertia():
 def test_a_fine_ball_approaches_two_fifths_m_r_squared():
     ball = from_trimesh(trimesh.creation.icosphere(5, 0.05))
     result = mass_properties(ball, 2.0)
-    np.testing.assert_allclose(result.inertia, 0.4 * 2.0 * 0.05**2 * np.eye(3), rtol=2e-3, atol=1e-9)
+    np.testing.assert_allclose(
+        result.inertia, 0.4 * 2.0 * 0.05**2 * np.eye(3), rtol=2e-3, atol=1e-9
+    )
 
 
 def test_inertia_agrees_with_trimesh_on_an_asymmetric_body():

@@ -97,7 +97,7 @@ def test_an_object_in_a_resting_pose_stays_there(name, contact):
 
 def test_cameras_and_meshcat_see_one_light_mesh_and_contact_has_its_own():
     model = library_object("mug")
-    diagram, plant, scene_graph, body = build(model, "hydroelastic", Sphere(0.1), [0, 0, -1])
+    _, plant, scene_graph, body = build(model, "hydroelastic", Sphere(0.1), [0, 0, -1])
     inspector = scene_graph.model_inspector()
     frame = plant.GetBodyFrameIdOrThrow(body.index())
     for role in (Role.kPerception, Role.kIllustration, Role.kProximity):

@@ -67,6 +67,15 @@ def test_repairs_are_reported_and_the_file_is_named_where_they_fail(tmp_path):
         load_object(tmp_path / "flat.obj")
 
 
+def test_heavy_meshes_are_simplified_in_place(tmp_path):
+    ball = trimesh.creation.icosphere(6, 0.05)
+    ball.export(tmp_path / "ball.stl")
+    model = load_object(tmp_path / "ball.stl")
+    assert len(model.mesh.faces) <= 20_000
+    assert model.mesh.volume == pytest.approx(ball.volume, rel=1e-3)
+    assert model.report[-1] == "Simplified from 81920 to 20000 triangles."
+
+
 def test_a_library_name_takes_a_mass_and_a_scale():
     can = load_object("can")
     assert can.mass_source == "library"

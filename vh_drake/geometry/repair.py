@@ -10,11 +10,13 @@ from scipy.sparse.csgraph import connected_components
 from vh_drake.errors import BadInput
 from vh_drake.geometry.meshes import Mask, TriMesh, from_trimesh
 from vh_drake.geometry.remesh import remesh
-from vh_drake.types import IntArray
+from vh_drake.types import Array, IntArray
 
 _MERGE_SHARE = 1e-6  # of the diagonal: vertices nearer than this are one
 _SPECK_SHARE = 0.02  # of the diagonal: loose parts smaller than this are noise
 _CAP_AREA_SHARE = 0.25  # of the surface: openings beyond are meant to be open
+_MAX_ALIGNED = 50_000  # triangles: aligning more takes minutes
+_MAX_HOLES = 2_000  # more are no holes but a mesh in shreds
 _REMESH_NODES = 100  # along the longest side
 
 
@@ -75,28 +77,29 @@ def face_components(mesh: TriMesh) -> IntArray:
     n = len(mesh.vertices)
     edges = mesh.directed_edges
     graph = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(n, n))
-    labels: IntArray = connected_components(graph, directed=False)[1][mesh.faces[:, 0]]
+    of_vertex = connected_components(graph, directed=False)[1]
+    labels: IntArray = np.unique(of_vertex[mesh.faces[:, 0]], return_inverse=True)[1]
     return labels.astype(np.int64)
 
 
 def _drop_specks(mesh: TriMesh, report: list[str]) -> TriMesh:
     """Drop loose parts too small to matter."""
     labels = face_components(mesh)
-    names = np.unique(labels)
-    if len(names) == 1:
+    low, high = component_boxes(mesh, labels)
+    small = np.linalg.norm(high - low, axis=1) < _SPECK_SHARE * mesh.diagonal
+    if small.all() or not small.any():
         return mesh
-    sizes = np.array([_extent(mesh, labels == name) for name in names])
-    large = names[sizes >= _SPECK_SHARE * mesh.diagonal]
-    if len(large) in (0, len(names)):
-        return mesh
-    report.append(f"Dropped {len(names) - len(large)} loose specks.")
-    return mesh.with_faces(np.isin(labels, large))
+    report.append(f"Dropped {np.count_nonzero(small)} loose specks.")
+    return mesh.with_faces(~small[labels])
 
 
-def _extent(mesh: TriMesh, faces: Mask) -> float:
-    """Diagonal of the box around some faces [m]."""
-    corners = mesh.triangles[faces].reshape(-1, 3)
-    return float(np.linalg.norm(np.ptp(corners, axis=0)))
+def component_boxes(mesh: TriMesh, labels: IntArray) -> tuple[Array, Array]:
+    """Least and largest corner of each connected part, (c, 3) each [m]."""
+    low = np.full((labels.max() + 1, 3), np.inf)
+    high = -low
+    np.minimum.at(low, labels, mesh.triangles.min(axis=1))
+    np.maximum.at(high, labels, mesh.triangles.max(axis=1))
+    return low, high
 
 
 def _align_winding(mesh: TriMesh, report: list[str]) -> TriMesh:
@@ -104,6 +107,11 @@ def _align_winding(mesh: TriMesh, report: list[str]) -> TriMesh:
     keys = mesh.directed_edges @ np.array([len(mesh.vertices), 1])
     if len(np.unique(keys)) == len(keys):
         return mesh
+    if len(mesh.faces) > _MAX_ALIGNED:
+        raise BadInput(
+            f"{len(mesh.faces)} triangles are wound inconsistently, more than {_MAX_ALIGNED} "
+            "that can be mended; decimate the mesh"
+        )
     aligned = mesh.to_trimesh()
     trimesh.repair.fix_winding(aligned)
     report.append("Aligned triangles that were wound against their neighbours.")
@@ -113,6 +121,8 @@ def _align_winding(mesh: TriMesh, report: list[str]) -> TriMesh:
 def _cap_holes(mesh: TriMesh, report: list[str]) -> TriMesh:
     """Close holes by a fan around their centre, except wide openings."""
     loops = boundary_loops(mesh.boundary_edges)
+    if len(loops) > _MAX_HOLES:
+        return mesh
     vertices, caps, size = [mesh.vertices], [], len(mesh.vertices)
     largest = _CAP_AREA_SHARE * mesh.areas.sum()
     for loop in loops:
@@ -165,22 +175,19 @@ def _walk(following: dict[int, list[int]], start: int) -> list[int]:
 def _turn_outward(mesh: TriMesh, report: list[str]) -> TriMesh:
     """Flip closed parts that are inside out, except cavities within another part."""
     labels = face_components(mesh)
-    faces = mesh.faces.copy()
-    flipped = 0
-    for name in np.unique(labels):
-        part = labels == name
-        if mesh.with_faces(part).volume < 0 and not _is_cavity(mesh, part):
-            faces[part] = faces[part][:, ::-1]
-            flipped += 1
-    if flipped:
-        report.append("Turned the surface outward, it was inside out.")
-    return TriMesh(mesh.vertices, faces)
+    cones = np.einsum("fi,fi->f", mesh.triangles[:, 0] - mesh.bounds[0], mesh.area_vectors)
+    inverted = np.bincount(labels, weights=cones) < 0
+    inverted &= ~_are_cavities(mesh, labels)
+    if not inverted.any():
+        return mesh
+    report.append("Turned the surface outward, it was inside out.")
+    flip = inverted[labels]
+    return TriMesh(mesh.vertices, np.where(flip[:, None], mesh.faces[:, ::-1], mesh.faces))
 
 
-def _is_cavity(mesh: TriMesh, part: Mask) -> bool:
-    """Whether the box of a part lies strictly within the box of the rest."""
-    if part.all():
-        return False
-    inner = mesh.triangles[part].reshape(-1, 3)
-    outer = mesh.triangles[~part].reshape(-1, 3)
-    return bool((inner.min(0) > outer.min(0)).all() and (inner.max(0) < outer.max(0)).all())
+def _are_cavities(mesh: TriMesh, labels: IntArray) -> Mask:
+    """Which parts lie, by their boxes, strictly within the largest part, (c,)."""
+    low, high = component_boxes(mesh, labels)
+    largest = np.linalg.norm(high - low, axis=1).argmax()
+    within: Mask = ((low > low[largest]) & (high < high[largest])).all(axis=1)
+    return within

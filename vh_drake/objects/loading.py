@@ -7,6 +7,7 @@ import numpy as np
 from vh_drake.errors import BadInput, UnknownName
 from vh_drake.geometry.mesh_files import SUFFIXES, load_mesh
 from vh_drake.geometry.meshes import TriMesh
+from vh_drake.geometry.remesh import simplify
 from vh_drake.geometry.repair import repair_mesh
 from vh_drake.objects.folders import FolderEntry, read_folder
 from vh_drake.objects.library import library_names, library_object
@@ -14,6 +15,7 @@ from vh_drake.objects.model import ObjectModel, make_object
 
 MAX_SIDE_M = 0.5
 MIN_SIDE_M = 0.005
+_MAX_TRIANGLES = 20_000  # of the mesh that simulation, cameras and judges use
 _ASSUMED_DENSITY = 400.0  # [kg/m³], of packaged goods and hollow plastics
 _ASSUMED_MASS_RANGE = (0.01, 1.0)  # [kg]
 
@@ -84,9 +86,19 @@ def _load_file(entry: FolderEntry, mass_kg: float | None, scale: float) -> Objec
         repaired = repair_mesh(used)
     except BadInput as error:
         raise BadInput(f"{entry.path}: {error}") from error
-    mass, source = _mass(entry, repaired.mesh, mass_kg)
-    report = repaired.report if scale == 1.0 else (f"Scaled by {scale:g}.", *repaired.report)
-    return make_object(entry.name, repaired.mesh, mass, mass_source=source, report=report)
+    lighter, sentences = _lighten(repaired.mesh)
+    mass, source = _mass(entry, lighter, mass_kg)
+    scaled = () if scale == 1.0 else (f"Scaled by {scale:g}.",)
+    report = (*scaled, *repaired.report, *sentences)
+    return make_object(entry.name, lighter, mass, mass_source=source, report=report)
+
+
+def _lighten(mesh: TriMesh) -> tuple[TriMesh, tuple[str, ...]]:
+    """Simplify a heavy mesh where it stays closed, and say so."""
+    lighter = simplify(mesh, _MAX_TRIANGLES)
+    if lighter is mesh or not lighter.is_watertight or lighter.volume <= 0:
+        return mesh, ()
+    return lighter, (f"Simplified from {len(mesh.faces)} to {len(lighter.faces)} triangles.",)
 
 
 def _check_size(name: str, mesh: TriMesh) -> None:
