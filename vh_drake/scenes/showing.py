@@ -20,7 +20,7 @@ from vh_drake.systems.surface_publisher import SurfacePublisher
 from vh_drake.systems.touch_publisher import TouchPublisher
 
 ROBOT_PERIOD_S = 0.06
-CAMERA_W, TARGET_W = (1.5, -0.95, 1.5), (0.5, -0.22, 1.08)
+CAMERA_W, TARGET_W = (1.4, -0.9, 1.45), (0.5, -0.22, 1.08)
 P_W_SIGN, SIGN_HEIGHT_M = (0.75, 0.2, 1.2), 0.08
 BACKGROUND_TOP, BACKGROUND_BOTTOM = (0.93, 0.95, 0.98), (1.0, 1.0, 1.0)
 
@@ -42,9 +42,9 @@ def make_meshcat(host: str = "localhost", port: int | None = None) -> Meshcat:
 
 
 def sign_pose() -> RigidTransform:
-    """X_WSign of a sign that faces the camera of `make_meshcat`."""
-    to_camera = np.subtract(CAMERA_W, P_W_SIGN)
-    y = -to_camera / np.linalg.norm(to_camera)
+    """X_WSign of a sign that is parallel to the image of the camera of `make_meshcat`."""
+    y = np.subtract(TARGET_W, CAMERA_W)
+    y /= np.linalg.norm(y)
     x = np.cross(y, [0.0, 0.0, 1.0])
     x /= np.linalg.norm(x)
     return RigidTransform(RotationMatrix(np.column_stack([x, y, np.cross(x, y)])), P_W_SIGN)
