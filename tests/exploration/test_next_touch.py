@@ -98,6 +98,15 @@ def test_next_touch_keeps_its_distance_from_the_last_one():
     assert 0.02 < np.linalg.norm(second.p_WT - first.p_WT) < 0.06
 
 
+def test_weight_of_the_hidden_side_draws_the_touch_away_from_the_camera():
+    surface, view = can()
+    plain, hidden = (
+        plan_touch(surface, view, ContactSet(), TIP, None, replace(STRICT, hidden_power=power))[0]
+        for power in (0.0, 50.0)
+    )
+    assert facing_of(hidden) < facing_of(plain)
+
+
 def test_variance_strategy_takes_the_least_certain_place():
     surface, view = can()
     settings = replace(STRICT, strategy="gp_variance")

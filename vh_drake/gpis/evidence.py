@@ -1,4 +1,4 @@
-"""From what the camera and the fingertip found to observations of the potential."""
+"""Camera points and contacts, checked and thinned out before they enter an estimate."""
 
 import numba
 import numpy as np
