@@ -100,8 +100,11 @@ def test_next_touch_keeps_its_distance_from_the_last_one():
 
 def test_weight_of_the_hidden_side_draws_the_touch_away_from_the_camera():
     surface, view = can()
+    beside = RigidTransform(RotationMatrix(RollPitchYaw(-np.pi / 2, 0, 0)), [0.68, -0.5, 1.0])
     plain, hidden = (
-        plan_touch(surface, view, ContactSet(), TIP, None, replace(STRICT, hidden_power=power))[0]
+        plan_touch(surface, view, ContactSet(), beside, None, replace(STRICT, hidden_power=power))[
+            0
+        ]
         for power in (0.0, 50.0)
     )
     assert facing_of(hidden) < facing_of(plain)
