@@ -70,7 +70,9 @@ def test_three_contacts_close_a_ball_only_beyond_the_least_friction():
     angles = 2 * np.pi * np.arange(3) / 3
     n = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(3)])
     assert is_force_closure(wrenches(0.05 * n, n, friction=0.1))
-    n_up = (n + [0, 0, 0.5]) / np.linalg.norm([1, 0, 0.5])  # All push down: needs μ > 0.5.
+    n_up = (n + np.array([0, 0, 0.5])) / np.linalg.norm(
+        [1, 0, 0.5]
+    )  # All push down: needs μ > 0.5.
     assert not is_force_closure(wrenches(0.05 * n, n_up, friction=0.4, edges=16))
     assert is_force_closure(wrenches(0.05 * n, n_up, friction=0.7, edges=16))
 

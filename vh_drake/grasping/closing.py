@@ -14,7 +14,7 @@ from numba import njit
 
 from vh_drake.grasping.field import FieldArrays, ObjectField
 from vh_drake.grasping.motions import MotionArrays
-from vh_drake.hand.kinematics import HandArrays, copy_pose, place_joints, sphere_at
+from vh_drake.hand.kinematics import HandArrays, bare_njit, copy_pose, place_joints, sphere_at
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, IntArray
 
@@ -97,7 +97,7 @@ def new_state(hand: HandArrays) -> ClosingState:
     )
 
 
-@njit(cache=True)
+@bare_njit
 def above_table(
     hand: HandArrays, field: FieldArrays, motion: MotionArrays, X_WH: Array, state: ClosingState
 ) -> bool:
@@ -113,13 +113,13 @@ def above_table(
     return True
 
 
-@njit(cache=True)
+@bare_njit
 def open_clearance(
     hand: HandArrays, field: FieldArrays, motion: MotionArrays, X_WH: Array, state: ClosingState
 ) -> float:
     """Least distance of the open hand from the object [m]; stops looking in collision."""
     _open(hand, motion, X_WH, state)
-    least = np.inf
+    least: float = np.inf
     for link in range(len(state.X_WL)):
         for s in range(hand.first_sphere[link], hand.first_sphere[link + 1]):
             x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
@@ -131,7 +131,7 @@ def open_clearance(
     return least
 
 
-@njit(cache=True)
+@bare_njit
 def advance(
     hand: HandArrays,
     field: FieldArrays,
@@ -165,7 +165,7 @@ def advance(
     return farthest
 
 
-@njit(cache=True)
+@bare_njit
 def close_fingers(
     hand: HandArrays,
     field: FieldArrays,
@@ -211,7 +211,7 @@ def close_fingers(
     return True
 
 
-@njit(cache=True)
+@bare_njit
 def turned(X: Array, v: Array) -> tuple[float, float, float]:
     """A vector v (3,) turned by a pose's rotation."""
     return (
@@ -221,7 +221,7 @@ def turned(X: Array, v: Array) -> tuple[float, float, float]:
     )
 
 
-@njit(cache=True)
+@bare_njit
 def _open(hand: HandArrays, motion: MotionArrays, X_WH: Array, state: ClosingState) -> None:
     for j in range(len(state.angles)):
         state.angles[j] = motion.angles[0, j]
@@ -229,7 +229,7 @@ def _open(hand: HandArrays, motion: MotionArrays, X_WH: Array, state: ClosingSta
     place_joints(hand, state.angles, 0, len(state.angles), state.X_WL)
 
 
-@njit(cache=True)
+@bare_njit
 def _finger_spheres(hand: HandArrays, finger: int) -> tuple[int, int]:
     """First and one past the last sphere of a finger's links; of the base for -1."""
     if finger < 0:
@@ -238,7 +238,7 @@ def _finger_spheres(hand: HandArrays, finger: int) -> tuple[int, int]:
     return first, hand.first_sphere[hand.first_joint[finger + 1] + 1]
 
 
-@njit(cache=True)
+@bare_njit
 def _set_due(hand: HandArrays, motion: MotionArrays, finger: int, state: ClosingState) -> None:
     """Turn the open hand's distances into times before which no sphere can touch."""
     first, last = _finger_spheres(hand, finger)
@@ -251,7 +251,7 @@ def _set_due(hand: HandArrays, motion: MotionArrays, finger: int, state: Closing
         state.due[s] = state.due[s] / max(speed, 1e-9)
 
 
-@njit(cache=True)
+@bare_njit
 def _place_hand(motion: MotionArrays, time: float, state: ClosingState) -> None:
     knot = min(int(time * (len(motion.angles) - 1)), len(motion.angles) - 2)
     part = time * (len(motion.angles) - 1) - knot
@@ -266,7 +266,7 @@ def _place_hand(motion: MotionArrays, time: float, state: ClosingState) -> None:
         X_WL[0, i, 3] += start[i, 3]
 
 
-@njit(cache=True)
+@bare_njit
 def _move_joints(
     hand: HandArrays, motion: MotionArrays, time: float, first: int, last: int, state: ClosingState
 ) -> None:
@@ -278,7 +278,7 @@ def _move_joints(
     place_joints(hand, state.angles, first, last, state.X_WL)
 
 
-@njit(cache=True)
+@bare_njit
 def _run(
     hand: HandArrays,
     field: FieldArrays,
@@ -316,7 +316,7 @@ def _run(
             before, time = time, min(max(due, time + step), end)
 
 
-@njit(cache=True)
+@bare_njit
 def _step_back(
     hand: HandArrays,
     field: FieldArrays,
@@ -350,7 +350,7 @@ def _step_back(
     return time, touching
 
 
-@njit(cache=True)
+@bare_njit
 def _move(
     hand: HandArrays,
     motion: MotionArrays,
@@ -367,7 +367,7 @@ def _move(
         _move_joints(hand, motion, time, locked, hand.first_joint[finger + 1], state)
 
 
-@njit(cache=True)
+@bare_njit
 def _look(
     hand: HandArrays,
     field: FieldArrays,
@@ -403,7 +403,7 @@ def _look(
     return touching, least, upcoming
 
 
-@njit(cache=True)
+@bare_njit
 def _record_touching(
     hand: HandArrays, field: FieldArrays, locked: int, touching: int, state: ClosingState
 ) -> None:
@@ -417,7 +417,7 @@ def _record_touching(
             _record(hand, field, link, deepest, state)
 
 
-@njit(cache=True)
+@bare_njit
 def _record(hand: HandArrays, field: FieldArrays, link: int, s: int, state: ClosingState) -> None:
     """Note a link's contact, unless it lies at or below the table's top."""
     x, y, z = sphere_at(hand.sphere_center, s, state.X_WL, link)
@@ -432,7 +432,7 @@ def _record(hand: HandArrays, field: FieldArrays, link: int, s: int, state: Clos
     state.n[link, 0], state.n[link, 1], state.n[link, 2] = nx, ny, nz
 
 
-@njit(cache=True)
+@bare_njit
 def _touch_palm(hand: HandArrays, field: FieldArrays, state: ClosingState) -> None:
     nearest, gap = -1, _PALM_CONTACT_M
     for s in range(hand.first_sphere[0], hand.first_sphere[1]):
@@ -444,7 +444,7 @@ def _touch_palm(hand: HandArrays, field: FieldArrays, state: ClosingState) -> No
         _record(hand, field, 0, nearest, state)
 
 
-@njit(cache=True)
+@bare_njit
 def signed_distance(field: FieldArrays, x: float, y: float, z: float) -> float:
     """Trilinear signed distance; outside the grid a lower bound that continues it.
 
@@ -453,30 +453,32 @@ def signed_distance(field: FieldArrays, x: float, y: float, z: float) -> float:
     """
     values = field.values
     scale = 1.0 / field.spacing
-    u, v, w = (
-        (x - field.origin[0]) * scale,
-        (y - field.origin[1]) * scale,
-        (z - field.origin[2]) * scale,
-    )
+    u = (x - field.origin[0]) * scale
+    v = (y - field.origin[1]) * scale
+    w = (z - field.origin[2]) * scale
     cu = min(max(u, 0.0), values.shape[0] - 1.0)
     cv = min(max(v, 0.0), values.shape[1] - 1.0)
     cw = min(max(w, 0.0), values.shape[2] - 1.0)
-    i = min(int(cu), values.shape[0] - 2)
-    j = min(int(cv), values.shape[1] - 2)
-    k = min(int(cw), values.shape[2] - 2)
-    a, b, c = cu - i, cv - j, cw - k
-    low = (1 - b) * ((1 - c) * values[i, j, k] + c * values[i, j, k + 1]) + b * (
-        (1 - c) * values[i, j + 1, k] + c * values[i, j + 1, k + 1]
+    i0, j0 = min(int(cu), values.shape[0] - 2), min(int(cv), values.shape[1] - 2)
+    k0 = min(int(cw), values.shape[2] - 2)
+    a, b, c = cu - i0, cv - j0, cw - k0
+    # Unsigned indices save the test for negative ones.
+    i, j, k = np.uintp(i0), np.uintp(j0), np.uintp(k0)
+    i1, j1, k1 = np.uintp(i0 + 1), np.uintp(j0 + 1), np.uintp(k0 + 1)
+    low = (1 - b) * ((1 - c) * values[i, j, k] + c * values[i, j, k1]) + b * (
+        (1 - c) * values[i, j1, k] + c * values[i, j1, k1]
     )
-    high = (1 - b) * ((1 - c) * values[i + 1, j, k] + c * values[i + 1, j, k + 1]) + b * (
-        (1 - c) * values[i + 1, j + 1, k] + c * values[i + 1, j + 1, k + 1]
+    high = (1 - b) * ((1 - c) * values[i1, j, k] + c * values[i1, j, k1]) + b * (
+        (1 - c) * values[i1, j1, k] + c * values[i1, j1, k1]
     )
-    inside = (1 - a) * low + a * high
+    inside: float = (1 - a) * low + a * high
     beyond = ((u - cu) ** 2 + (v - cv) ** 2 + (w - cw) ** 2) * field.spacing**2
-    return np.sqrt(inside * inside + beyond) if beyond > 0 else inside
+    if beyond > 0:
+        inside = np.sqrt(inside * inside + beyond)
+    return inside
 
 
-@njit(cache=True)
+@bare_njit
 def outward_normal(field: FieldArrays, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Unit gradient of the signed distance by central differences."""
     h = 0.5 * field.spacing

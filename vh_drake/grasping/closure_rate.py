@@ -15,7 +15,7 @@ from vh_drake.grasping.wrench_space import (
     fill_wrenches,
     spans_positively,
 )
-from vh_drake.hand.kinematics import HandArrays, copy_pose
+from vh_drake.hand.kinematics import HandArrays, bare_njit, copy_pose
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, IntArray
 
@@ -157,7 +157,7 @@ def _rate_all(
     return result
 
 
-@njit(cache=True)
+@bare_njit
 def _gather(state: ClosingState, kinds: IntArray, p: Array, n: Array, sums: Array) -> int:
     """Pack the contacts into p and n, add up who touches; returns their number."""
     count, thumbs, fingers, others, previous = 0, 0, 0, 0, -1
@@ -180,9 +180,9 @@ def _gather(state: ClosingState, kinds: IntArray, p: Array, n: Array, sums: Arra
     return count
 
 
-@njit(cache=True)
+@bare_njit
 def disturb(X: Array, tcp: Array, noise: Array, result: Array) -> None:
-    """result = X moved by noise[:3] along its axes and turned by the vector noise[3:] at a TCP."""
+    """Write X, moved by noise[:3] along its axes and turned by noise[3:] at a TCP, to `result`."""
     angle = np.sqrt(noise[3] ** 2 + noise[4] ** 2 + noise[5] ** 2)
     s = np.sin(angle) / angle if angle > 1e-9 else 1.0
     v = (1 - np.cos(angle)) / angle**2 if angle > 1e-9 else 0.5

@@ -16,6 +16,7 @@ from vh_drake.hand.model import HandModel
 from vh_drake.types import Array
 
 MOTIONS = ("collect", "side")
+_SHORTEST_LINE_M = 0.06
 _MARGIN = 1.1  # on speeds that are sampled at the knots
 
 
@@ -87,7 +88,11 @@ def pitched_rotation(hand: HandModel, pitch: float) -> Array:
 
 
 def tip_line_pitch(hand: HandModel, angles: Array) -> float:
-    """Pitch [rad] at which the line from fingertips to thumb tip is parallel to the table."""
+    """Pitch [rad] at which the line from fingertips to thumb tip is parallel to the table.
+
+    Where the tips come near each other, or pass, the line has no direction of its own; it is
+    then taken as 6 cm long, which keeps the pitch smooth.
+    """
     along, palm = hand_axes(hand)
     centers, radii = hand.spheres(angles)
     tips = hand.tip_spheres
@@ -99,7 +104,7 @@ def tip_line_pitch(hand: HandModel, angles: Array) -> float:
         for side in (~thumbs, thumbs)
     ]
     line = ends[0] - ends[1]
-    return float(np.arctan2(-(line @ palm), line @ along))
+    return float(np.arctan2(-(line @ palm), max(line @ along, _SHORTEST_LINE_M)))
 
 
 def hand_axes(hand: HandModel) -> tuple[Array, Array]:

@@ -139,8 +139,8 @@ def collect_poses(
     left = np.column_stack([-forward[:, 1], forward[:, 0], np.zeros(count)])
     middle, width = _across_slice(places, forward, left, places.points)
     beside = ((places.points - places.center) * left).sum(axis=1) * rng.uniform(0, 0.7, count)
-    across = rng.uniform(*settings.collect_across_m, count)
-    along = rng.uniform(*settings.collect_along_m, count)
+    across = _between(settings.collect_across_m, count, rng)
+    along = _between(settings.collect_along_m, count, rng)
     target = (middle + along)[:, None] * forward
     target += ((places.center * left).sum(axis=1) + beside + across)[:, None] * left
     X = _turned_about_z(collect_pose(hand, hand.lower, settings.collect), heading)
@@ -174,7 +174,7 @@ def side_poses(
     at_height = np.column_stack([points[:, :2], height])
     middle, width = _across_slice(places, fingers, np.broadcast_to(up, fingers.shape), at_height)
     fits = (width >= settings.least_width_m) & (width <= settings.side_widest_m)
-    along = (middle + rng.uniform(*settings.side_along_m, len(points)))[fits]
+    along = (middle + _between(settings.side_along_m, len(points), rng))[fits]
     facing, fingers, height = facing[fits], fingers[fits], height[fits]
     far = (places.center * facing).sum(axis=1) - _far(places, hand)
     X = _side_pose(hand, facing, fingers)
@@ -206,6 +206,11 @@ def _far(places: Places, hand: HandModel) -> float:
     """A distance at which no hand can touch the object [m]."""
     reach = np.linalg.norm(hand.spheres(hand.lower)[0], axis=1).max()
     return float(np.linalg.norm(places.points - places.center, axis=1).max() + reach + 0.03)
+
+
+def _between(bounds: list[float], count: int, rng: np.random.Generator) -> Array:
+    low, high = bounds
+    return rng.uniform(low, high, count)
 
 
 def _headings(normals: Array, rng: np.random.Generator) -> Array:

@@ -250,4 +250,6 @@ def _rank(rows: Array, count: int) -> int:
 
 @njit(cache=True)
 def _dot(u: Array, v: Array) -> float:
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2] + u[3] * v[3] + u[4] * v[4] + u[5] * v[5]
+    total: float = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+    total += u[3] * v[3] + u[4] * v[4] + u[5] * v[5]
+    return total

@@ -11,6 +11,10 @@ from numba import njit
 
 from vh_drake.types import Array, IntArray
 
+# For kernels that allocate nothing: without reference counts of the arrays that they are given,
+# which would cost more than the work itself.
+bare_njit = njit(cache=True, _nrt=False)
+
 
 class HandArrays(NamedTuple):
     """A hand as arrays; n joints in chains, f fingers, m spheres sorted by link."""
@@ -26,7 +30,7 @@ class HandArrays(NamedTuple):
     sphere_lever: Array  # (m, n) largest distance of a sphere's centre from a joint's axis [m]
 
 
-@njit(cache=True)
+@bare_njit
 def copy_pose(X: Array, result: Array) -> None:
     """Copy the first three rows of a pose."""
     for i in range(3):
@@ -34,13 +38,11 @@ def copy_pose(X: Array, result: Array) -> None:
             result[i, j] = X[i, j]
 
 
-@njit(cache=True)
+@bare_njit
 def place_joints(hand: HandArrays, angles: Array, first: int, last: int, X_WL: Array) -> None:
     """Poses of the links that joints first to last - 1 move, from their parents' poses.
 
-    Args:
-        angles: (n,) [rad or m].
-        X_WL: (n + 1, 3, 4) link poses, read and written.
+    Angles are (n,) [rad or m]; X_WL (n + 1, 3, 4) is read and written.
     """
     X_PL = hand.X_PL
     for j in range(first, last):
@@ -60,7 +62,7 @@ def place_joints(hand: HandArrays, angles: Array, first: int, last: int, X_WL: A
             X_WL[j + 1, k, 3] += X_WL[parent, k, 3]
 
 
-@njit(cache=True)
+@bare_njit
 def sphere_at(centers: Array, s: int, X_WL: Array, link: int) -> tuple[float, float, float]:
     """Centre of sphere s, given in its link, where the link has pose X_WL[link]."""
     x, y, z = centers[s, 0], centers[s, 1], centers[s, 2]

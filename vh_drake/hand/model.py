@@ -13,7 +13,6 @@ from pydrake.multibody.tree import (
     BodyIndex,
     ForceElementIndex,
     Frame,
-    JointIndex,
     PrismaticJoint,
     RevoluteJoint,
     RevoluteSpring,
