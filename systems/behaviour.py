@@ -135,7 +135,7 @@ class Behaviour(LeafSystem):
         self._inputs: dict[str, InputPort] = {}
         for name, model in (
             ("object_view", Value[object](ObjectView())),
-            ("view_status", Value[object]("")),
+            ("view_status", Value[str]("")),
             ("surface", Value[object](Surface())),
             ("touch_plans", Value[object](())),
             ("candidates", Value[object](Candidates())),
@@ -173,7 +173,7 @@ class Behaviour(LeafSystem):
                 prerequisites_of_calc=state,
             )
         self.DeclareAbstractOutputPort(
-            "phase", lambda: Value[object](""), self._calc_phase, prerequisites_of_calc=state
+            "phase", lambda: Value[str](""), self._calc_phase, prerequisites_of_calc=state
         )
         for name in ("surface_request", "touch_request", "grasp_request"):
             self.DeclareVectorOutputPort(
@@ -246,14 +246,9 @@ class Behaviour(LeafSystem):
         scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
         q = self._inputs["joint_state"].Eval(context)[:8]
         touch = find_touch(plans, scene, self._hand, self._kinematics, q, self._settings.touch)
-        if touch is None:
-            if mind.story.touches:
-                asked = dc.replace(mind, grasp_request=mind.grasp_request + 1)
-                return asked.entering("plan grasps")
-            return mind.giving_up(
-                "the arm can reach no hidden place of the object to touch it; "
-                "put the object nearer to (0.7, -0.3) m"
-            )
+        if touch is None:  # No hidden place is in reach, so the view must do.
+            asked = dc.replace(mind, grasp_request=mind.grasp_request + 1)
+            return asked.entering("plan grasps")
         return dc.replace(mind, touch=touch).moving(touch.legs).entering("touch")
 
     def _touch(self, context: Context, mind: _Mind) -> _Mind:

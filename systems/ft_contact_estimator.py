@@ -2,7 +2,7 @@
 
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, LeafSystem, State
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from vh_drake.sensing.contact_point import Skin
 from vh_drake.sensing.ft_contact import FtContactModel, FtContactSettings, FtSample, FtState
@@ -60,11 +60,11 @@ class FtContactEstimator(LeafSystem):
         self._velocity = self.DeclareVectorInputPort("hand_velocity", 6)
         self._tare = self.DeclareVectorInputPort("tare", 1)
         self._approach = self.DeclareVectorInputPort("approach_direction", 3)
-        state = self.DeclareAbstractState(Value[object](FtState()))
-        self.DeclarePeriodicUnrestrictedUpdateEvent(
-            self._model.settings.period_s, 0.0, self._update
-        )
-        after = {self.abstract_state_ticket(state)}
+        # Numbers, not an abstract state: at this rate an unrestricted update, which copies
+        # the whole diagram's state, would cost more than the simulation.
+        self.DeclareDiscreteState(FtState().to_vector())
+        self.DeclarePeriodicDiscreteUpdateEvent(self._model.settings.period_s, 0.0, self._update)
+        after = {self.xd_ticket()}
         self.DeclareVectorOutputPort("contact", 1, self._calc_contact, prerequisites_of_calc=after)
         self.DeclareAbstractOutputPort(
             "contact_point",
@@ -75,10 +75,9 @@ class FtContactEstimator(LeafSystem):
         self.DeclareVectorOutputPort("force", 3, self._calc_force, prerequisites_of_calc=after)
 
     def _state(self, context: Context) -> FtState:
-        state: FtState = context.get_abstract_state(0).get_value()
-        return state
+        return FtState.from_vector(context.get_discrete_state_vector().value())
 
-    def _update(self, context: Context, state: State) -> None:
+    def _update(self, context: Context, values: DiscreteValues) -> None:
         X_WH = self._pose.Eval(context)
         sample = FtSample(
             wrench_H=self._wrench.Eval(context),
@@ -88,9 +87,7 @@ class FtContactEstimator(LeafSystem):
             approach_W=self._approach.Eval(context),
             tare=float(self._tare.Eval(context)[0]),
         )
-        state.get_mutable_abstract_state(0).set_value(
-            self._model.step(self._state(context), sample)
-        )
+        values.set_value(self._model.step(self._state(context), sample).to_vector())
 
     def _calc_contact(self, context: Context, output: BasicVector) -> None:
         output.SetAtIndex(0, float(len(self._state(context).contact) > 0))

@@ -24,7 +24,8 @@ class TouchMotionSettings:
 
     standoff_m: float = 0.05  # from where the guarded approach starts
     beyond_m: float = 0.04  # behind the estimate, until which the finger searches
-    table_clearance_m: float = 0.006
+    table_clearance_m: float = 0.004
+    least_pad_height_m: float = 0.0195  # of the pad over the table; the tip reaches below it
     palm_clearance_m: float = 0.006  # of links that shall not touch, at the contact
     tip_clearance_m: float = -0.004  # of the other fingertips, at the contact
     travel_clearance_m: float = 0.012  # before the approach
@@ -117,9 +118,8 @@ def find_touch(
     """
     settings = settings or TouchMotionSettings()
     X_HT = fingertip_frame(hand)
-    for plan in plans:
-        if not np.linalg.norm(plan.n_WT) > 0:
-            continue
+    for wanted in plans:
+        plan = _levelled(wanted, scene, settings)
         for X_WH in touching_poses(plan, X_HT, scene.table.normal, settings):
             if not _is_clear(hand, X_WH, plan.n_WT, scene, settings):
                 continue
@@ -127,6 +127,17 @@ def find_touch(
             if _reaches(kinematics, q, motion, X_WH, plan.n_WT, settings):
                 return motion
     return None
+
+
+def _levelled(plan: TouchPlan, scene: Obstacles, s: TouchMotionSettings) -> TouchPlan:
+    """Low and undercut places are approached level, at the least height of the pad."""
+    up = scene.table.normal
+    missing = s.least_pad_height_m - float(scene.table.height(plan.p_WT))
+    level = plan.n_WT - (plan.n_WT @ up) * up
+    if (missing <= 0 and plan.n_WT @ up >= 0) or np.linalg.norm(level) < 0.3:
+        return plan
+    n_WT = level / np.linalg.norm(level)
+    return dc.replace(plan, p_WT=plan.p_WT + max(missing, 0.0) * up, n_WT=n_WT)
 
 
 def _is_clear(

@@ -181,4 +181,13 @@ def touching_skin(hand: HandModel) -> Skin:
 
 def _workspace(scenario: Scenario) -> SegmentationSettings:
     """Where the object may be: around its place, on the table."""
-    return SegmentationSettings()
+    height = scenario.table.height_m
+    defaults = SegmentationSettings()
+    low, high = list(defaults.workspace_min), list(defaults.workspace_max)
+    low[2], high[2] = height - 0.1, height + 0.45
+    return SegmentationSettings(
+        workspace_min=low,
+        workspace_max=high,
+        expected_place=[*scenario.placement.center, height],
+        seed=scenario.seed,
+    )

@@ -62,6 +62,36 @@ class FtState:
     exceeded: int = 0  # samples in a row above ΔF
     contact: ContactSet = dc.field(default_factory=ContactSet)  # since the last tare
 
+    def to_vector(self) -> Array:
+        """All of it as numbers (STATE_SIZE,), for a discrete state."""
+        touched = len(self.contact) > 0
+        place = np.r_[self.contact.p_WC[0], self.contact.n_WC[0]] if touched else np.zeros(6)
+        flags = [self.tare, float(self.started), float(self.exceeded), float(touched)]
+        parts = (self.velocity_W, self.low_pass.ravel(), self.wrench_H, self.offset_H)
+        vector: Array = np.concatenate([*parts, self.force_W, flags, place])
+        return vector
+
+    @staticmethod
+    def from_vector(vector: Array) -> "FtState":
+        """The inverse of `to_vector`."""
+        velocity, low_pass, wrench, offset, force, flags, place = np.split(vector, _STATE_SPLITS)
+        touched = flags[3] > 0
+        return FtState(
+            velocity_W=velocity,
+            low_pass=low_pass.reshape(2, 6),
+            wrench_H=wrench,
+            offset_H=offset,
+            force_W=force,
+            tare=float(flags[0]),
+            started=bool(flags[1] > 0),
+            exceeded=int(flags[2]),
+            contact=ContactSet(place[None, :3], place[None, 3:]) if touched else ContactSet(),
+        )
+
+
+_STATE_SPLITS = np.cumsum([6, 12, 6, 6, 3, 4])
+STATE_SIZE = int(_STATE_SPLITS[-1]) + 6
+
 
 class FtContactModel:
     """The parts of the estimation that do not change.
