@@ -58,7 +58,9 @@ def _picture(text: str) -> tuple[bytes, float]:
     inches = _PIXELS_HIGH / _DPI
     figure = Figure(figsize=(10.0, inches), dpi=_DPI, facecolor="none")
     canvas = FigureCanvasAgg(figure)
-    label = figure.text(0.5, 0.5, text, size=38, color=_INK, ha="center", va="center")
+    label = figure.text(
+        0.5, 0.5, text, size=38, weight="bold", color=_INK, ha="center", va="center"
+    )
     width = label.get_window_extent(canvas.get_renderer()).width + 0.6 * _PIXELS_HIGH  # type: ignore[no-untyped-call]
     figure.set_size_inches(width / _DPI, inches)
     figure.set_facecolor(_PAPER)

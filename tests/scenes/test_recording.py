@@ -1,0 +1,79 @@
+import re
+
+import numpy as np
+import pytest
+from browser import screenshot, share_of_hue
+from pydrake.common.value import Value
+from pydrake.geometry import Box, Rgba
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
+
+from vh_drake.errors import VhDrakeError
+from vh_drake.scenes import recording
+from vh_drake.scenes.recording import start_recording, write_recording
+from vh_drake.scenes.showing import TARGET_W, make_meshcat
+from vh_drake.systems.contacts_publisher import ContactsPublisher
+from vh_drake.types import ContactSet
+
+GREEN, RED = (0.55, 0.85, 0.38), (0.84, 0.22, 0.33)  # as lit
+
+
+@pytest.fixture
+def meshcat():
+    server = make_meshcat()
+    server.SetObject("box", Box(0.2, 0.2, 0.2), Rgba(*GREEN, 1.0))
+    server.SetTransform("box", RigidTransform(TARGET_W))
+    return server
+
+
+def test_the_recording_shows_the_scene_without_a_server(meshcat, tmp_path):
+    start_recording(meshcat)
+    page = write_recording(meshcat, tmp_path / "new" / "recording.html")
+    assert share_of_hue(screenshot(page, tmp_path / "page.png"), GREEN) > 0.005
+
+
+@pytest.mark.parametrize("closing", [False, True])
+def test_what_was_hidden_in_the_run_is_hidden_when_it_is_replayed(meshcat, tmp_path, closing):
+    meshcat.Delete("box")
+    publisher = ContactsPublisher(meshcat)
+    simulator = Simulator(publisher)
+    context = simulator.get_mutable_context()
+    wall = np.array(TARGET_W) + np.random.default_rng(0).uniform(-0.2, 0.2, (300, 3))
+    touched = ContactSet(wall, np.tile([0.0, 0.0, 1.0], (300, 1)))
+    publisher.GetInputPort("contacts").FixValue(context, Value[object](touched))
+    start_recording(meshcat)
+    for phase, until in (("touch", 0.1), ("grasp: close" if closing else "touch", 0.2)):
+        publisher.GetInputPort("phase").FixValue(context, Value[object](phase))
+        simulator.AdvanceTo(until)
+    page = write_recording(meshcat, tmp_path / "recording.html")
+    share = share_of_hue(screenshot(page, tmp_path / "page.png"), RED)
+    assert share < 0.0005 if closing else share > 0.003
+
+
+def test_a_recording_too_large_for_mail_is_refused(meshcat, tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "MOST_BYTES", 1000)
+    start_recording(meshcat)
+    with pytest.raises(VhDrakeError, match="fewer frames"):
+        write_recording(meshcat, tmp_path / "recording.html")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_keeps_the_file_that_was_there(meshcat, tmp_path, monkeypatch):
+    page = tmp_path / "recording.html"
+    page.write_text("earlier")
+
+    def full(*_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(recording.os, "replace", full)
+    start_recording(meshcat)
+    with pytest.raises(OSError, match="no space"):
+        write_recording(meshcat, page)
+    assert page.read_text() == "earlier"
+    assert list(tmp_path.iterdir()) == [page]
+
+
+def test_the_page_loads_nothing_from_elsewhere(meshcat, tmp_path):
+    start_recording(meshcat)
+    text = write_recording(meshcat, tmp_path / "recording.html").read_text()
+    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']?https?://", text)
