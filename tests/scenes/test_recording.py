@@ -15,13 +15,13 @@ from vh_drake.scenes.showing import TARGET_W, make_meshcat
 from vh_drake.systems.contacts_publisher import ContactsPublisher
 from vh_drake.types import ContactSet
 
-GREEN, RED = (0.55, 0.85, 0.38), (0.84, 0.22, 0.33)  # as lit
+GREEN, RED = (0.25, 0.82, 0.2), (0.84, 0.22, 0.33)  # as lit
 
 
 @pytest.fixture
 def meshcat():
     server = make_meshcat()
-    server.SetObject("box", Box(0.2, 0.2, 0.2), Rgba(*GREEN, 1.0))
+    server.SetObject("box", Box(0.2, 0.2, 0.2), Rgba(0.0, 0.8, 0.1))
     server.SetTransform("box", RigidTransform(TARGET_W))
     return server
 
