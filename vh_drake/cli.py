@@ -118,3 +118,21 @@ def objects(
     details = ("size_mm",) if folder is None else ("split", "file")
     columns = ("name", "mass_g", *details)
     print_result([asdict(row) for row in rows], as_json=as_json, columns=columns)
+
+
+@app.command()
+def diagram(
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="Ends in .svg, .png, .pdf or .dot.")
+    ] = Path("diagram.svg"),
+    depth: Annotated[int, typer.Option(min=1, help="Of nested diagrams that are opened.")] = 2,
+) -> None:
+    """Draw the whole diagram: its systems, ports and connections."""
+    from vh_drake.objects.loading import load_object
+    from vh_drake.scenes.drawing import draw_diagram
+    from vh_drake.scenes.scenario import Scenario
+    from vh_drake.scenes.visuo_haptic import make_visuo_haptic_diagram
+
+    scenario = Scenario(contact="point")
+    model = load_object(scenario.object)
+    print(draw_diagram(make_visuo_haptic_diagram(scenario, model), out, depth=depth))

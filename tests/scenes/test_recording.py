@@ -15,7 +15,7 @@ from vh_drake.scenes.showing import TARGET_W, make_meshcat
 from vh_drake.systems.contacts_publisher import ContactsPublisher
 from vh_drake.types import ContactSet
 
-GREEN, RED = (0.25, 0.82, 0.2), (0.84, 0.22, 0.33)  # as lit
+GREEN, RED = (0.41, 0.83, 0.26), (0.84, 0.22, 0.33)  # as lit
 
 
 @pytest.fixture
