@@ -2,17 +2,53 @@
 
 import dataclasses as dc
 import typing
+from operator import attrgetter
 from pathlib import Path
-
-from pydrake.common.yaml import yaml_load_typed
 
 from vh_drake.errors import BadInput, UnknownName
 from vh_drake.scenes.camera import CameraSettings
 from vh_drake.sensing.wrist_noise import WristNoiseSettings
+from vh_drake.yaml_files import load_typed
 
 CONTACT_MODELS = ("hydroelastic", "point")
 SCORERS = ("conventional",)
-_MAX_BYTES = 1_000_000
+# Least and largest value of each number.
+RANGES = {
+    "seed": (0, 2**31 - 1),
+    "mass_kg": (1e-3, 100.0),
+    "scale": (1e-6, 1e6),
+    "time_step_s": (1e-4, 0.01),
+    "touches": (0, 5),
+    "attempts": (1, 10),
+    "table.height_m": (0.5, 1.3),
+    "table.friction": (0.0, 2.0),
+    "placement.radius_m": (0.0, 0.3),
+    "camera.width": (16, 4096),
+    "camera.height": (16, 4096),
+    "camera.fov_y_rad": (0.1, 2.5),
+    "camera.min_depth_m": (0.01, 10.0),
+    "camera.max_depth_m": (0.02, 100.0),
+    "camera.noise.axial_m": (0.0, 0.1),
+    "camera.noise.axial_per_m": (0.0, 0.1),
+    "camera.noise.grazing": (0.0, 0.1),
+    "camera.noise.disparity_step_px": (0.0, 8.0),
+    "camera.noise.focal_baseline_m": (1.0, 1e4),
+    "camera.noise.edge_m": (1e-4, 1.0),
+    "camera.noise.lateral_px": (0.0, 20.0),
+    "camera.noise.edge_dropout": (0.0, 1.0),
+    "camera.noise.max_incidence_deg": (1.0, 89.9),
+    "wrist.force_std_n": (0.0, 10.0),
+    "wrist.torque_std_nm": (0.0, 1.0),
+    "wrist.force_drift_n": (0.0, 10.0),
+    "wrist.torque_drift_nm": (0.0, 1.0),
+}
+# The same of both values of a pair, x and y.
+PAIR_RANGES = {
+    "table.center": (-5.0, 5.0),
+    "table.size": (0.05, 10.0),
+    "placement.center": (-5.0, 5.0),
+}
+_LONGEST_TEXT = 4096
 
 
 @dc.dataclass
@@ -69,45 +105,53 @@ def load_scenario(path: str | Path) -> Scenario:
     Raises:
         BadInput: the file is missing, too large, malformed, or holds values out of range.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise BadInput(f"no scenario file at {path}")
-    if path.stat().st_size > _MAX_BYTES:
-        raise BadInput(f"{path} is over {_MAX_BYTES} bytes, which no scenario is")
+    scenario = load_typed(Scenario, path)
     try:
-        scenario: Scenario = yaml_load_typed(schema=Scenario, filename=str(path))
-    except Exception as error:  # The parser raises many types; all mean a malformed file.
-        raise BadInput(f"{path} is not a scenario: {error}") from error
-    check_scenario(scenario)
+        check_scenario(scenario)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from error
     return scenario
 
 
 def check_scenario(scenario: Scenario) -> None:
-    """Refuses values that no run can use.
+    """Refuses values that no run can use; whether the object exists shows when it is loaded.
 
     Raises:
-        BadInput: a value is out of range; the message names it and the range.
+        BadInput: a value is out of range or not finite; the message names it and the range.
     """
-    if scenario.contact not in CONTACT_MODELS:
-        raise UnknownName("contact model", scenario.contact, list(CONTACT_MODELS))
-    if scenario.scorer not in SCORERS:
-        raise UnknownName("scorer", scenario.scorer, list(SCORERS))
-    ranges = {
-        "seed": (scenario.seed, 0, 2**31 - 1),
-        "time_step_s": (scenario.time_step_s, 1e-4, 0.01),
-        "touches": (scenario.touches, 0, 5),
-        "attempts": (scenario.attempts, 1, 10),
-        "table.height_m": (scenario.table.height_m, 0.5, 1.3),
-        "table.friction": (scenario.table.friction, 0.0, 2.0),
-        "placement.radius_m": (scenario.placement.radius_m, 0.0, 0.3),
-    }
-    for name, (value, low, high) in ranges.items():
-        if not low <= value <= high:
-            raise BadInput(f"{name} is {value:g}; choose a value from {low:g} to {high:g}")
-    for name, vector in {
-        "table.center": scenario.table.center,
-        "table.size": scenario.table.size,
-        "placement.center": scenario.placement.center,
-    }.items():
-        if len(vector) != 2:
-            raise BadInput(f"{name} needs 2 values, x and y; it has {len(vector)}")
+    for kind, name, choices in (
+        ("contact model", scenario.contact, CONTACT_MODELS),
+        ("scorer", scenario.scorer, SCORERS),
+    ):
+        if name not in choices:
+            raise UnknownName(kind, name[:80], list(choices))
+    _check_texts(scenario)
+    for name, (low, high) in RANGES.items():
+        _check_range(name, attrgetter(name)(scenario), low, high)
+    for name, (low, high) in PAIR_RANGES.items():
+        pair = attrgetter(name)(scenario)
+        if len(pair) != 2:
+            raise BadInput(f"{name} needs 2 values, x and y; it has {len(pair)}")
+        for value in pair:
+            _check_range(name, value, low, high)
+    camera = scenario.camera
+    if camera.min_depth_m >= camera.max_depth_m:
+        raise BadInput(
+            f"camera.min_depth_m is {camera.min_depth_m:g}; choose less than "
+            f"camera.max_depth_m, {camera.max_depth_m:g}"
+        )
+
+
+def _check_texts(scenario: Scenario) -> None:
+    """Names and paths that no file system refuses outright."""
+    if not scenario.object:
+        raise BadInput("object is empty; name one of the library or a mesh file")
+    for name in ("object", "objects", "hand"):
+        text = getattr(scenario, name)
+        if len(text) > _LONGEST_TEXT or not text.isprintable():
+            raise BadInput(f"{name} {text[:80]!r} can't be a name or a path")
+
+
+def _check_range(name: str, value: float | None, low: float, high: float) -> None:
+    if value is not None and not low <= value <= high:  # NaN fails both comparisons.
+        raise BadInput(f"{name} is {value:g}; choose a value from {low:g} to {high:g}")
