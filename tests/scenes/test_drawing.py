@@ -3,7 +3,9 @@ import xml.etree.ElementTree as ET
 import pytest
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Integrator
+from typer.testing import CliRunner
 
+from vh_drake.cli import app
 from vh_drake.errors import BadInput, VhDrakeError
 from vh_drake.scenes import drawing
 from vh_drake.scenes.drawing import draw_diagram
@@ -15,7 +17,7 @@ def diagram():
     inner = DiagramBuilder()
     first = inner.AddNamedSystem("velocity", Integrator(1))
     second = inner.AddNamedSystem("position", Integrator(1))
-    inner.Cascade(first, second)
+    inner.Connect(first.get_output_port(), second.get_input_port())
     outer = DiagramBuilder()
     outer.AddNamedSystem("inside", inner.Build())
     return outer.Build()
@@ -59,3 +61,10 @@ def test_without_graphviz_the_error_names_the_remedy(diagram, tmp_path, monkeypa
         draw_diagram(diagram, tmp_path / "d.svg")
     assert draw_diagram(diagram, tmp_path / "d.dot").read_text().startswith("digraph")
     assert not (tmp_path / "d.svg").exists()
+
+
+def test_the_command_draws_the_whole_diagram(tmp_path):
+    done = CliRunner().invoke(app, ["diagram", "--out", str(tmp_path / "d.dot")])
+    assert done.exit_code == 0, done.output
+    source = (tmp_path / "d.dot").read_text()
+    assert all(name in source for name in ("GpisEstimator", "Behaviour", "TendonHand"))
