@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 # A module may import from its own folder and from earlier rows, never from later ones.
 LAYERS = (
-    ("types", "errors", "yaml_files"),
+    ("types", "errors", "yaml_files", "atomic_files"),
     ("geometry",),
     ("objects", "gpis", "hand", "sensing", "control"),
     ("exploration", "grasping"),

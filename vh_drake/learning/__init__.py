@@ -1,0 +1,1 @@
+"""Learned ratings of grasps."""
