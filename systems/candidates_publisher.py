@@ -1,7 +1,7 @@
 """Grasp candidates and the chosen one in Meshcat."""
 
 import numpy as np
-from pydrake.common.value import Value
+from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Context
 
@@ -58,7 +58,7 @@ class CandidatesPublisher(MeshcatPublisher):
         super().__init__(meshcat, path, period_s)
         self._hand = hand
         self._inputs = {
-            name: self.DeclareAbstractInputPort(name, Value[object](value))
+            name: self.DeclareAbstractInputPort(name, AbstractValue.Make(value))
             for name, value in (
                 ("candidates", Candidates()),
                 ("scores", GraspScores()),

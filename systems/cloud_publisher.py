@@ -40,7 +40,7 @@ class CloudPublisher(MeshcatPublisher):
     ) -> None:
         super().__init__(meshcat, path, period_s)
         self._view = self.DeclareAbstractInputPort("view", Value[object](ObjectView()))
-        self._phase = self.DeclareAbstractInputPort("phase", Value[object](""))
+        self._phase = self.DeclareAbstractInputPort("phase", Value[str](""))
 
     def picture(self, context: Context) -> Picture:
         """The view, if anything was seen."""

@@ -40,7 +40,7 @@ class ContactsPublisher(MeshcatPublisher):
     ) -> None:
         super().__init__(meshcat, path, period_s)
         self._contacts = self.DeclareAbstractInputPort("contacts", Value[object](ContactSet()))
-        self._phase = self.DeclareAbstractInputPort("phase", Value[object](""))
+        self._phase = self.DeclareAbstractInputPort("phase", Value[str](""))
 
     def picture(self, context: Context) -> Picture:
         """The contacts, if anything was felt."""

@@ -44,7 +44,7 @@ class PhasePublisher(MeshcatPublisher):
     ) -> None:
         super().__init__(meshcat, path, period_s)
         self._height_m = height_m
-        self._phase = self.DeclareAbstractInputPort("phase", Value[object](""))
+        self._phase = self.DeclareAbstractInputPort("phase", Value[str](""))
         meshcat.SetTransform(path, X_WSign)
 
     def picture(self, context: Context) -> Picture:

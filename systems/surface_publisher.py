@@ -46,7 +46,7 @@ class SurfacePublisher(MeshcatPublisher):
         super().__init__(meshcat, path, period_s)
         self._top_std = top_std
         self._surface = self.DeclareAbstractInputPort("surface", Value[object](Surface()))
-        self._phase = self.DeclareAbstractInputPort("phase", Value[object](""))
+        self._phase = self.DeclareAbstractInputPort("phase", Value[str](""))
 
     def picture(self, context: Context) -> Picture:
         """The estimate, if there is one."""

@@ -41,7 +41,7 @@ class TouchPublisher(MeshcatPublisher):
     ) -> None:
         super().__init__(meshcat, path, period_s)
         self._plan = self.DeclareAbstractInputPort("touch_plan", Value[object](TouchPlan()))
-        self._phase = self.DeclareAbstractInputPort("phase", Value[object](""))
+        self._phase = self.DeclareAbstractInputPort("phase", Value[str](""))
 
     def picture(self, context: Context) -> Picture:
         """The plan, while it counts."""

@@ -136,3 +136,48 @@ def diagram(
     scenario = Scenario(contact="point")
     model = load_object(scenario.object)
     print(draw_diagram(make_visuo_haptic_diagram(scenario, model), out, depth=depth))
+
+
+@app.command()
+def grasp(
+    object_: Annotated[
+        str, typer.Argument(metavar="[OBJECT]", help="A name of the library, or a mesh file.")
+    ] = "",
+    seed: Annotated[int, typer.Option(min=0, help="Draws pose and sensor noise.")] = 0,
+    touches: Annotated[int | None, typer.Option(help="Touches before planning, 0 to 5.")] = None,
+    scorer: Annotated[str | None, typer.Option(help="conventional")] = None,
+    contact: Annotated[str | None, typer.Option(help="hydroelastic or point")] = None,
+    hand: Annotated[Path | None, typer.Option(metavar="FILE", help="A hand description.")] = None,
+    mass: Annotated[float | None, typer.Option(help="Of the object [kg].")] = None,
+    scale: Annotated[float | None, typer.Option(help="Multiplies the mesh's coordinates.")] = None,
+    objects_: Annotated[
+        Path | None, typer.Option("--objects", metavar="DIR", help="Where OBJECT is a name.")
+    ] = None,
+    scenario: Annotated[Path | None, typer.Option(metavar="FILE", help="A YAML scenario.")] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="For results.")] = Path("out/grasp"),
+    show: Annotated[bool, typer.Option("--meshcat/--no-meshcat", help="A live page.")] = True,
+    record: Annotated[bool, typer.Option("--record/--no-record", help="recording.html")] = True,
+    host: Annotated[str, typer.Option(help="Address of the live page.")] = "localhost",
+    as_json: JsonOption = False,
+) -> None:
+    """Look, touch, fuse, plan, rate, grasp, lift and hold an unknown object."""
+    from vh_drake.experiments.grasp_command import grasp_and_report
+    from vh_drake.scenes.scenario import overridden
+
+    chosen = overridden(
+        scenario,
+        seed=seed,
+        object=object_ or None,
+        touches=touches,
+        scorer=scorer,
+        contact=contact,
+        hand=None if hand is None else str(hand),
+        mass_kg=mass,
+        scale=scale,
+        objects=None if objects_ is None else str(objects_),
+    )
+    lifted = grasp_and_report(
+        chosen, out, host=host if show else None, record=record, as_json=as_json
+    )
+    if not lifted:
+        raise typer.Exit(FAILED)

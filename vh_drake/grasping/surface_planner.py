@@ -46,14 +46,14 @@ class PlannerSettings:
     draws: int = 600  # places a round
     least_width_m: float = 0.02
     collect: CollectSettings = dc.field(default_factory=CollectSettings)
-    collect_along_m: list[float] = dc.field(default_factory=lambda: [-0.06, -0.01])
-    collect_across_m: list[float] = dc.field(default_factory=lambda: [-0.03, 0.01])
+    collect_along_m: list[float] = dc.field(default_factory=lambda: [-0.05, -0.025])
+    collect_across_m: list[float] = dc.field(default_factory=lambda: [-0.04, -0.015])
     collect_widest_m: float = 0.12
     collect_tallest_m: float = 0.13
     collect_highest_m: float = 0.03  # how far the hand may rise off its height to be free
-    side_along_m: list[float] = dc.field(default_factory=lambda: [-0.06, -0.015])
-    side_heights_m: list[float] = dc.field(default_factory=lambda: [0.065, 0.12])
-    side_below_top_m: float = 0.03  # of the hand's middle
+    side_along_m: list[float] = dc.field(default_factory=lambda: [-0.06, -0.035])
+    side_heights_m: list[float] = dc.field(default_factory=lambda: [0.05, 0.12])
+    side_below_top_m: float = 0.05  # of the hand's middle; the thumb is above it
     side_near_center_m: float = 0.03  # of the hand's middle above or below the centre of mass
     side_widest_m: float = 0.11
     side_lowest_m: float = 0.09  # height of objects that are taken from the side

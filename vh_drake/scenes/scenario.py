@@ -155,3 +155,17 @@ def _check_texts(scenario: Scenario) -> None:
 def _check_range(name: str, value: float | None, low: float, high: float) -> None:
     if value is not None and not low <= value <= high:  # NaN fails both comparisons.
         raise BadInput(f"{name} is {value:g}; choose a value from {low:g} to {high:g}")
+
+
+def overridden(path: Path | None, **values: object) -> Scenario:
+    """The scenario of a file, or the default one, with the values that are not None.
+
+    Raises:
+        BadInput: the file or a value is unusable.
+    """
+    scenario = Scenario() if path is None else load_scenario(path)
+    for name, value in values.items():
+        if value is not None:
+            setattr(scenario, name, value)
+    check_scenario(scenario)
+    return scenario

@@ -1,0 +1,318 @@
+"""One trial of the whole job, watched by a judge who sees the ground truth."""
+
+import dataclasses as dc
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import Meshcat
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+
+from vh_drake.errors import NothingSeen, Unreachable
+from vh_drake.experiments.files import write_json
+from vh_drake.experiments.judge import (
+    Judge,
+    TrueTouch,
+    rounded,
+    surface_error_mm,
+    touch_report,
+)
+from vh_drake.grasping.story import Story
+from vh_drake.objects.loading import load_object
+from vh_drake.objects.model import ObjectModel
+from vh_drake.scenes.decision import Decision, make_decision
+from vh_drake.scenes.placing import draw_object_pose, place_object
+from vh_drake.scenes.recording import start_recording, write_recording
+from vh_drake.scenes.scenario import Scenario, check_scenario
+from vh_drake.scenes.showing import add_publishers, add_robot_visualizer
+from vh_drake.scenes.station import Station, make_station
+from vh_drake.scenes.visuo_haptic import join
+from vh_drake.types import Array, ObjectView, Surface
+
+WATCH_S = 0.01
+LONGEST_S = 90.0
+LIFTED_M = 0.14  # least height of the object's lowest point over the table while held
+HELD_S = 3.0
+
+OnPhase = Callable[[str, float], None]
+
+
+@dc.dataclass(frozen=True)
+class TrialResult:
+    """Numbers that depend on the seed alone, and those that depend on the machine."""
+
+    result: dict[str, object]
+    timing: dict[str, object]
+
+    @property
+    def lifted(self) -> bool:
+        """Whether the object was lifted and held."""
+        return bool(self.result["lifted"])
+
+
+@dc.dataclass
+class _Watch:
+    """What the judge noted on the way."""
+
+    truths: list[TrueTouch | None] = dc.field(default_factory=list)
+    displacements_mm: list[float] = dc.field(default_factory=list)
+    last_touch: TrueTouch | None = None
+    X_WO_before: RigidTransform | None = None
+    surface_error_mm: float | None = None
+    surface_error_before_mm: float | None = None
+    heights_m: list[float] = dc.field(default_factory=list)
+    X_HO: list[RigidTransform] = dc.field(default_factory=list)
+    hold_since_s: float | None = None
+    stages: dict[str, list[float]] = dc.field(default_factory=dict)  # name: [wall s, simulated s]
+
+
+@dc.dataclass(frozen=True)
+class Trial:
+    """A diagram with its object in place, ready to run."""
+
+    scenario: Scenario
+    model: ObjectModel
+    diagram: Diagram
+    station: Station
+    decision: Decision
+    context: Context
+    X_WO: RigidTransform
+
+
+def make_trial(scenario: Scenario, *, meshcat: Meshcat | None = None) -> Trial:
+    """Builds the diagram and draws the object's pose.
+
+    Raises:
+        BadInput: scenario, object or hand are unusable.
+    """
+    check_scenario(scenario)
+    folder = Path(scenario.objects) if scenario.objects else None
+    model = load_object(
+        scenario.object, mass_kg=scenario.mass_kg, scale=scenario.scale, folder=folder
+    )
+    builder = DiagramBuilder()
+    station = builder.AddSystem(make_station(scenario, model))
+    decision = builder.AddSystem(make_decision(scenario))
+    join(builder, station, decision)
+    if meshcat is not None:
+        add_robot_visualizer(builder, station.GetOutputPort("query_object"), meshcat)
+        add_publishers(builder, decision, meshcat, station.hand)
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    X_WO = draw_object_pose(scenario, model)
+    place_object(station, context, X_WO)
+    return Trial(scenario, model, diagram, station, decision, context, X_WO)
+
+
+def run_trial(
+    scenario: Scenario,
+    *,
+    out: Path | None = None,
+    meshcat: Meshcat | None = None,
+    record: bool = False,
+    on_phase: OnPhase | None = None,
+) -> TrialResult:
+    """Look, touch, fuse, plan, rate, grasp, lift and hold, once.
+
+    Args:
+        scenario: what is simulated.
+        out: folder for result.json, timing.json and, with `record`, recording.html.
+        meshcat: where to show it; needed for a recording.
+        record: write a recording.
+        on_phase: told the phase and the simulated time whenever the phase changes.
+
+    Raises:
+        BadInput: scenario, object or hand are unusable.
+    """
+    start = time.perf_counter()
+    trial = make_trial(scenario, meshcat=meshcat)
+    simulator = Simulator(trial.diagram, trial.context)
+    if meshcat is not None and record:
+        start_recording(meshcat)
+    judge = Judge(trial.station, trial.model, trial.context)
+    watch = _Watch(stages={"build": [time.perf_counter() - start, 0.0]})
+    story, advancing = _run(trial, simulator, judge, watch, on_phase)
+    wall = time.perf_counter() - start
+    done = TrialResult(
+        _result(trial, story, watch), _timing(watch, wall, simulator, advancing)
+    )
+    if out is not None:
+        write_json(out / "result.json", done.result)
+        write_json(out / "timing.json", done.timing)
+        if meshcat is not None and record:
+            write_recording(meshcat, out / "recording.html")
+    return done
+
+
+def _run(
+    trial: Trial,
+    simulator: Simulator,
+    judge: Judge,
+    watch: _Watch,
+    on_phase: OnPhase | None,
+) -> tuple[Story, float]:
+    """Advance until the behaviour has finished; also the wall time inside the simulator."""
+    simulator.Initialize()
+    context = trial.decision.GetMyContextFromRoot(trial.context)
+    phase, planning = "", 0.0
+    began = time.perf_counter()
+    while simulator.get_context().get_time() < LONGEST_S:
+        before = time.perf_counter()
+        simulator.AdvanceTo(simulator.get_context().get_time() + WATCH_S)
+        story: Story = trial.decision.GetOutputPort("story").Eval(context)
+        _note(trial, judge, watch, story, phase, context)
+        now_phase = trial.decision.GetOutputPort("phase").Eval(context)
+        spent = time.perf_counter() - before
+        stage = watch.stages.setdefault((phase or "look").split(":")[0], [0.0, 0.0])
+        stage[0] += spent
+        stage[1] += WATCH_S
+        planning += spent if (phase.split(":")[0] in THINKING) else 0.0
+        if now_phase != phase:
+            phase = now_phase
+            if on_phase is not None:
+                on_phase(phase, simulator.get_context().get_time())
+        if story.finished:
+            break
+    return story, time.perf_counter() - began - planning
+
+
+THINKING = ("", "look", "estimate", "plan a touch", "plan grasps")
+
+
+def _note(
+    trial: Trial, judge: Judge, watch: _Watch, story: Story, phase: str, context: Context
+) -> None:
+    """The judge's notes of this moment."""
+    if phase == "touch: feel":
+        if watch.X_WO_before is None:
+            watch.X_WO_before = judge.object_pose()
+        watch.last_touch = judge.touch() or watch.last_touch
+    elif phase.startswith("retreat") and len(watch.truths) < len(story.touches):
+        watch.truths.append(watch.last_touch)
+    elif phase == "estimate" and watch.X_WO_before is not None:
+        moved = judge.object_pose().translation() - watch.X_WO_before.translation()
+        watch.displacements_mm.append(1000.0 * float(np.linalg.norm(moved)))
+        watch.X_WO_before, watch.last_touch = None, None
+    elif phase == "plan a touch" and watch.surface_error_before_mm is None:
+        watch.surface_error_before_mm = _surface_error(trial, judge, context)
+    elif phase == "plan grasps" and watch.surface_error_mm is None:
+        watch.surface_error_mm = _surface_error(trial, judge, context)
+    elif phase == "grasp: hold":
+        watch.heights_m.append(judge.lowest_point() - trial.scenario.table.height_m)
+        watch.X_HO.append(judge.object_in_hand())
+
+
+def _surface_error(trial: Trial, judge: Judge, context: Context) -> float | None:
+    surface: Surface = trial.decision.GetOutputPort("surface").Eval(context)
+    if len(surface.faces) == 0:
+        return None
+    return round(surface_error_mm(surface, trial.model.mesh, judge.object_pose()), 3)
+
+
+def _result(trial: Trial, story: Story, watch: _Watch) -> dict[str, object]:
+    """result.json: the same bytes for the same seed."""
+    context = trial.decision.GetMyContextFromRoot(trial.context)
+    view: ObjectView = trial.decision.GetOutputPort("view").Eval(context)
+    touches = [
+        touch_report(
+            record,
+            watch.truths[i] if i < len(watch.truths) else None,
+            trial.model.mesh,
+            view.p_WCamera,
+            watch.displacements_mm[i] if i < len(watch.displacements_mm) else 0.0,
+        )
+        for i, record in enumerate(story.touches)
+    ]
+    scenario = trial.scenario
+    return {
+        "object": trial.model.name,
+        "mass_kg": trial.model.mass_kg,
+        "mass_source": trial.model.mass_source,
+        "object_report": list(trial.model.report),
+        "seed": scenario.seed,
+        "scorer": scenario.scorer,
+        "contact_model": scenario.contact,
+        "object_pose": rounded(trial.X_WO.GetAsMatrix4()),
+        "points_seen": len(view.p_WO),
+        "touches": touches,
+        "surface_error_before_touch_mm": watch.surface_error_before_mm,
+        "surface_error_mm": watch.surface_error_mm,
+        "candidates": story.grasps[-1].candidates if story.grasps else {},
+        "grasp": _grasp_report(story),
+        **_lift_report(story, watch),
+        "failure": story.failure or _failure(story, watch),
+    }
+
+
+def _grasp_report(story: Story) -> dict[str, object] | None:
+    if not story.grasps:
+        return None
+    grasp = story.grasps[-1]
+    return {
+        "X_WH": rounded(grasp.X_WH),
+        "motion": grasp.motion,
+        "planner": grasp.planner,
+        "score": round(grasp.score, 5),
+        "unreachable_better_ones": grasp.rank,
+    }
+
+
+def _lift_report(story: Story, watch: _Watch) -> dict[str, object]:
+    """Height, hold and slip; the object counts as lifted only if it never sank while held."""
+    held = len(watch.heights_m) * WATCH_S
+    if not watch.heights_m:
+        return {"lifted": False, "height_m": 0.0, "hold_s": 0.0, "slip_mm": None, "slip_deg": None}
+    high = np.array(watch.heights_m) >= LIFTED_M
+    slip = watch.X_HO[0].inverse() @ watch.X_HO[-1]
+    return {
+        "lifted": bool(high.all() and held >= HELD_S),
+        "height_m": round(float(np.min(watch.heights_m)), 4),
+        "hold_s": round(float(np.argmin(high) if not high.all() else len(high)) * WATCH_S, 2),
+        "slip_mm": round(1000.0 * _slip_distance(watch), 3),
+        "slip_deg": round(float(np.rad2deg(slip.rotation().ToAngleAxis().angle())), 3),
+    }
+
+
+def _slip_distance(watch: _Watch) -> float:
+    """How far the object moved in the hand during the hold [m]."""
+    moved: Array = watch.X_HO[-1].translation() - watch.X_HO[0].translation()
+    return float(np.linalg.norm(moved))
+
+
+def _failure(story: Story, watch: _Watch) -> str:
+    if not story.finished:
+        return f"not done after {LONGEST_S:g} simulated seconds"
+    if _lift_report(story, watch)["lifted"]:
+        return ""
+    return "the object was not lifted, or it slipped while held"
+
+
+def _timing(
+    watch: _Watch, wall_s: float, simulator: Simulator, advancing_s: float
+) -> dict[str, object]:
+    """timing.json: seconds of wall clock, which differ from run to run."""
+    simulated = simulator.get_context().get_time()
+    return {
+        "wall_s": round(wall_s, 3),
+        "simulated_s": round(simulated, 3),
+        "real_time_factor": round(simulated / max(advancing_s, 1e-9), 3),
+        "stages": {
+            name: {"wall_s": round(wall, 3), "simulated_s": round(simulated_s, 3)}
+            for name, (wall, simulated_s) in watch.stages.items()
+        },
+    }
+
+
+def raise_failure(result: dict[str, object]) -> None:
+    """Turns a trial that never tried a grasp into the error that says why.
+
+    Raises:
+        NothingSeen: the camera shows no table or object.
+        Unreachable: the arm can do nothing with it.
+    """
+    failure = str(result["failure"])
+    if result["grasp"] is None and failure:
+        raise (Unreachable if failure.startswith("the arm") else NothingSeen)(failure)
