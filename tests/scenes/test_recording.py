@@ -43,7 +43,7 @@ def test_what_was_hidden_in_the_run_is_hidden_when_it_is_replayed(meshcat, tmp_p
     publisher.GetInputPort("contacts").FixValue(context, Value[object](touched))
     start_recording(meshcat)
     for phase, until in (("touch", 0.1), ("grasp: close" if closing else "touch", 0.2)):
-        publisher.GetInputPort("phase").FixValue(context, Value[object](phase))
+        publisher.GetInputPort("phase").FixValue(context, Value[str](phase))
         simulator.AdvanceTo(until)
     page = write_recording(meshcat, tmp_path / "recording.html")
     share = share_of_hue(screenshot(page, tmp_path / "page.png"), RED)

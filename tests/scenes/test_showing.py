@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from browser import screenshot, share_of_hue
-from pydrake.common.value import Value
+from pydrake.common.value import AbstractValue
 from pydrake.geometry import SceneGraph
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
@@ -56,7 +56,7 @@ def beliefs():
     """Stands in for a decision part: its outputs never change."""
     builder = DiagramBuilder()
     for name, value in values().items():
-        source = builder.AddNamedSystem(name, ConstantValueSource(Value[object](value)))
+        source = builder.AddNamedSystem(name, ConstantValueSource(AbstractValue.Make(value)))
         builder.ExportOutput(source.get_output_port(), name)
     return builder.Build()
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from pydrake.common.value import Value
+from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
@@ -84,7 +84,7 @@ def make(meshcat, hand):
 
 def fix(system, context, values):
     for name, value in values.items():
-        system.GetInputPort(name).FixValue(context, Value[object](value))
+        system.GetInputPort(name).FixValue(context, AbstractValue.Make(value))
 
 
 @pytest.mark.parametrize("caching", [True, False])
