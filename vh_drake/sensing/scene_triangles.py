@@ -49,7 +49,8 @@ def shape_triangles(shape: Shape) -> Array:
     """
     match shape:
         case Box():
-            return _triangles(trimesh.creation.box(shape.size()))
+            # A view would keep Drake's context from the query alive in trimesh's cycles.
+            return _triangles(trimesh.creation.box(np.array(shape.size())))
         case Sphere():
             return _ball() * shape.radius()
         case Ellipsoid():
