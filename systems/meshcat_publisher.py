@@ -24,6 +24,22 @@ class _Shown(Immutable):
     count: int = 0
 
 
+def same(a: object, b: object) -> bool:
+    """Whether two values have the same content; a port may compute the same value anew."""
+    if a is b:
+        return True
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        return np.array_equal(a, np.asarray(b))
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(same, a, b))
+    if dc.is_dataclass(a):
+        names = [field.name for field in dc.fields(a)]
+        return all(same(getattr(a, name), getattr(b, name)) for name in names)
+    return a == b
+
+
 class MeshcatPublisher(LeafSystem):
     """Draws what `picture` gives under a path of its own, `<path>/0`, `<path>/1`, ...
 
@@ -48,7 +64,7 @@ class MeshcatPublisher(LeafSystem):
 
     @abc.abstractmethod
     def picture(self, context: Context) -> Picture:
-        """The values that are to be drawn now, compared by ==; () draws nothing."""
+        """The values that are to be drawn now, compared by `same`; () draws nothing."""
 
     @abc.abstractmethod
     def draw(self, path: str, *picture: object) -> None:
@@ -79,7 +95,7 @@ class MeshcatPublisher(LeafSystem):
         """Draws; gives what is shown then, or None where nothing changed."""
         shown: _Shown = context.get_abstract_state(self._shown).get_value()
         picture = self.picture(context)
-        if picture == shown.picture:
+        if same(picture, shown.picture):
             return None
         time = context.get_time()
         if shown.picture:

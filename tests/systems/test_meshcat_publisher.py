@@ -1,3 +1,5 @@
+import dataclasses as dc
+
 import numpy as np
 import pytest
 from pydrake.common.value import AbstractValue
@@ -115,6 +117,18 @@ def test_unchanged_input_is_drawn_once(make, meshcat, name, monkeypatch):
     assert drawn == ["/pictures/0"]
 
 
+def test_the_same_value_computed_anew_is_not_drawn_again(make, monkeypatch):
+    system = make("candidates")
+    drawn = []
+    monkeypatch.setattr(system, "draw", lambda path, *picture: drawn.append(path))
+    simulator = Simulator(system)
+    for i in range(3):
+        values = grasps(7) | {"phase": "plan grasps"}
+        fix(system, simulator.get_mutable_context(), values)
+        simulator.AdvanceTo(0.1 * (i + 1))
+    assert drawn == ["/pictures/0"]
+
+
 def test_two_contexts_count_their_own_pictures(make, meshcat, monkeypatch):
     system = make("phase")
     drawn = []
@@ -131,7 +145,7 @@ def test_each_estimate_has_a_path_of_its_own(make, meshcat):
     system = make("surface")
     simulator = Simulator(system)
     for i in range(3):
-        values = {"surface": tetrahedron(), "phase": "estimate"}
+        values = {"surface": dc.replace(tetrahedron(), variance=np.full(4, i)), "phase": "look"}
         fix(system, simulator.get_mutable_context(), values)
         simulator.AdvanceTo(0.1 * (i + 1))
     assert [meshcat.HasPath(f"/pictures/{i}") for i in range(4)] == [True, True, True, False]
