@@ -181,3 +181,40 @@ def grasp(
     )
     if not lifted:
         raise typer.Exit(FAILED)
+
+
+@app.command()
+def plan(
+    cloud: Annotated[Path, typer.Argument(metavar="CLOUD", help="PLY, PCD or NPZ, z up [m].")],
+    contacts: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Touched places, CSV or JSON.")
+    ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The table's plane, where CLOUD is the object alone."),
+    ] = None,
+    camera: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(metavar="X Y Z", help="Where the camera stood [m]."),
+    ] = None,
+    hand: Annotated[Path | None, typer.Option(metavar="FILE", help="A hand description.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of every random choice.")] = 0,
+    top: Annotated[int, typer.Option(min=1, help="How many grasps are told.")] = 10,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="For results.")] = Path("out/plan"),
+    as_json: JsonOption = False,
+) -> None:
+    """Rate grasps for a point cloud of yours, without simulation."""
+    from vh_drake.experiments.plan_command import PlanRequest, grasp_rows, plan_from_files
+
+    report = plan_from_files(PlanRequest(cloud, contacts, table, camera, hand, seed, top), out)
+    if as_json:
+        print(json.dumps(report, indent=2))
+    else:
+        columns = ("rank", "score", "standard_error", "motion", "position_m")
+        print_result(grasp_rows(report), as_json=False, columns=columns)
+        print(f"files in {out}")
+    if not report["grasps"]:
+        _fail(
+            VhDrakeError("no free grasp found; is the object in one piece and its size right?"),
+            FAILED,
+        )

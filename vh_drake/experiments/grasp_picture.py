@@ -8,17 +8,20 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
-from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from vh_drake.experiments.plan_grasps import GraspPlan
 from vh_drake.geometry.colors import TOP_STD_M, score_colors, variance_colors
+from vh_drake.geometry.glyphs import ColorMesh, joined, tube
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, Cloud, Plane, Surface
 
-MOST_HANDS = 5
-_MOST_POINTS = 1500
-_AROUND_M = 0.08  # of the object, that is shown of cloud and table
-_TABLE, _SURFACE, _POINTS, _HANDS = range(4)  # What is drawn over what
+MOST_HANDS = 3
+_MOST_POINTS = 800
+_AROUND_M = 0.05  # of the object, that is shown of cloud and table
+_THICK_M, _THIN_M = 0.008, 0.003  # radii of the tubes of a hand [m]
+_GREY = (0.7, 0.75, 0.85)
+_TABLE, _SOLID, _LABELS = range(3)  # What is drawn over what
 
 
 def draw_grasps(plan: GraspPlan, cloud: Cloud) -> bytes:
@@ -46,14 +49,16 @@ def draw_estimate(axes: Axes3D, plan: GraspPlan, cloud: Cloud) -> None:
     vertices = plan.surface.vertices
     low, high = vertices.min(axis=0) - _AROUND_M, vertices.max(axis=0) + _AROUND_M
     _draw_table(axes, plan.view.table, low, high)
-    colors = variance_colors(plan.surface.variance[plan.surface.faces].mean(axis=1))
-    _draw_surface(axes, plan.surface, colors)
+    colors = variance_colors(plan.surface.variance)
+    _draw_triangles(axes, ColorMesh(vertices, plan.surface.faces, colors))
     near = cloud.p_WC[((cloud.p_WC > low) & (cloud.p_WC < high)).all(axis=1)]
     near = near[:: max(1, len(near) // _MOST_POINTS)]
-    axes.scatter(*near.T, s=1.5, color="black", zorder=_POINTS, label="points of the camera")
+    axes.scatter(*near.T, s=1.0, color="grey", zorder=_LABELS, label="cloud")
+    seen = plan.view.p_WO[:: max(1, len(plan.view.p_WO) // _MOST_POINTS)]
+    axes.scatter(*seen.T, s=2.0, color="black", zorder=_LABELS, label="of it, the object")
     if len(plan.contacts):
         p = plan.contacts.p_WC.T
-        axes.scatter(*p, s=60, color="red", zorder=_POINTS, label="touched places")
+        axes.scatter(*p, s=60, color="red", zorder=_LABELS, label="touched places")
     axes.legend(loc="upper left")
     axes.set_title(f"Estimate from {len(plan.view.p_WO)} points, {len(plan.contacts)} touches")
     _finish(axes, plan, np.vstack([low, high]))
@@ -62,41 +67,46 @@ def draw_estimate(axes: Axes3D, plan: GraspPlan, cloud: Cloud) -> None:
 def draw_hands(axes: Axes3D, plan: GraspPlan) -> None:
     """The open hand where the best rated grasps start to close; thick is the best."""
     shown = plan.ranking[:MOST_HANDS]
-    shapes = [_hand_lines(plan.hand, plan.candidates.X_WH[index]) for index in shown]
-    spread = np.vstack([plan.surface.vertices, *(line for lines in shapes for line in lines)])
-    low, high = spread.min(axis=0), spread.max(axis=0)
-    _draw_table(axes, plan.view.table, low, high)
-    _draw_surface(axes, plan.surface, np.tile([0.7, 0.75, 0.85], (len(plan.surface.faces), 1)))
     colors = score_colors(plan.scores.score[list(shown)])
-    for rank, (lines, color) in reversed(list(enumerate(zip(shapes, colors, strict=True), 1))):
-        width = 4.0 if rank == 1 else 1.5
-        edge = Line3DCollection(lines, colors="black", linewidths=width + 1.0, zorder=_HANDS)
-        axes.add_collection3d(edge)
-        axes.add_collection3d(
-            Line3DCollection(lines, colors=[color], linewidths=width, zorder=_HANDS)
-        )
-        axes.text(*lines[0][0], f" {rank}", fontsize=12, zorder=_HANDS)
+    poses = plan.candidates.X_WH[list(shown)]
+    hands = [
+        _hand(plan.hand, X_WH, color, _THIN_M if rank else _THICK_M)
+        for rank, (X_WH, color) in enumerate(zip(poses, colors, strict=True))
+    ]
+    everything = joined([_object(plan.surface), *hands])
+    low, high = everything.vertices.min(axis=0), everything.vertices.max(axis=0)
+    _draw_table(axes, plan.view.table, low, high)
+    _draw_triangles(axes, everything)
+    for rank, X_WH in enumerate(poses, 1):
+        axes.text(*X_WH[:3, 3], f"  {rank}", fontsize=14, weight="bold", zorder=_LABELS)
     axes.set_title(f"Best {len(shown)} of {len(plan.candidates)} grasps, numbered at the wrist")
     _finish(axes, plan, np.vstack([low, high]))
 
 
-def _hand_lines(hand: HandModel, X_WH: Array) -> list[Array]:
-    """Polylines (k, 3) of the open hand in W, one a finger: base, joints, tip [m]."""
+def _hand(hand: HandModel, X_WH: Array, color: Array, radius: float) -> ColorMesh:
+    """The open hand in W as tubes, one a finger: base, joints, tip."""
     origins = hand.link_poses(hand.lower)[:, :3, 3]
-    tips = hand.tips(hand.lower)
-    lines = []
-    for finger, tip in enumerate(tips):
+    tubes = []
+    for finger, tip in enumerate(hand.tips(hand.lower)):
         first, last = hand.arrays.first_joint[finger : finger + 2]
         p_H = np.vstack([origins[0], origins[first + 1 : last + 1], tip])
-        lines.append(p_H @ X_WH[:3, :3].T + X_WH[:3, 3])
-    return lines
+        tubes.append(tube(p_H @ X_WH[:3, :3].T + X_WH[:3, 3], color, radius=radius))
+    return joined(tubes)
 
 
-def _draw_surface(axes: Axes3D, surface: Surface, colors: Array) -> None:
-    """Shaded triangles with a colour each."""
-    triangles = surface.vertices[surface.faces]
+def _object(surface: Surface) -> ColorMesh:
+    return ColorMesh(surface.vertices, surface.faces, np.tile(_GREY, (len(surface.vertices), 1)))
+
+
+def _draw_triangles(axes: Axes3D, mesh: ColorMesh) -> None:
+    """All in one collection, so that what is in front hides what is behind."""
     axes.add_collection3d(
-        Poly3DCollection(triangles, facecolors=colors, shade=True, zorder=_SURFACE)
+        Poly3DCollection(
+            mesh.vertices[mesh.faces],
+            facecolors=mesh.colors[mesh.faces].mean(axis=1),
+            shade=True,
+            zorder=_SOLID,
+        )
     )
 
 
@@ -116,7 +126,7 @@ def _finish(axes: Axes3D, plan: GraspPlan, box: Array) -> None:
     low, high = box.min(axis=0), box.max(axis=0)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low)
+    axes.set_box_aspect(high - low, zoom=0.85)
     axes.locator_params(nbins=5)
     away = plan.view.p_WCamera - plan.view.p_WO.mean(axis=0)
     axes.view_init(elev=25.0, azim=float(np.degrees(np.arctan2(away[1], away[0]))) + 35.0)

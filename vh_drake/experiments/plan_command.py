@@ -3,7 +3,9 @@
 import dataclasses as dc
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +36,7 @@ class PlanRequest:
     top: int = 10  # grasps that are reported
 
 
-def plan_from_files(request: PlanRequest, out: Path) -> dict[str, object]:
+def plan_from_files(request: PlanRequest, out: Path) -> dict[str, Any]:
     """Reads a user's files, plans, and writes plan.json, timing.json and grasps.png.
 
     Returns:
@@ -71,7 +73,7 @@ def plan_from_files(request: PlanRequest, out: Path) -> dict[str, object]:
     return report
 
 
-def plan_report(plan: GraspPlan, top: int) -> dict[str, object]:
+def plan_report(plan: GraspPlan, top: int) -> dict[str, Any]:
     """A plan in numbers that JSON can hold; lengths in metres, in the frame of the cloud."""
     size = np.ptp(plan.surface.vertices, axis=0)
     return {
@@ -91,7 +93,21 @@ def plan_report(plan: GraspPlan, top: int) -> dict[str, object]:
     }
 
 
-def _grasp(plan: GraspPlan, index: int) -> dict[str, object]:
+def grasp_rows(report: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The grasps of a report as rows of a table for people."""
+    return [
+        {
+            "rank": rank,
+            "score": f"{grasp['score']:.2f}",
+            "standard_error": f"{grasp['standard_error']:.2f}",
+            "motion": grasp["motion"],
+            "position_m": " ".join(f"{row[3]:.3f}" for row in grasp["X_WH"][:3]),
+        }
+        for rank, grasp in enumerate(report["grasps"], 1)
+    ]
+
+
+def _grasp(plan: GraspPlan, index: int) -> dict[str, Any]:
     return {
         "score": _rounded(plan.scores.score[index]),
         "standard_error": _rounded(plan.scores.standard_error[index]),
@@ -116,7 +132,7 @@ def _camera(request: PlanRequest) -> Array | None:
     return None if request.p_WCamera is None else np.array(request.p_WCamera)
 
 
-def _settings(request: PlanRequest) -> dict[str, object]:
+def _settings(request: PlanRequest) -> dict[str, Any]:
     return {
         name: str(value) if isinstance(value, Path) else value
         for name, value in dc.asdict(request).items()
@@ -128,5 +144,5 @@ def _rounded(values: Array) -> object:
     return np.round(values, _DIGITS).tolist()
 
 
-def _json(content: dict[str, object]) -> bytes:
+def _json(content: dict[str, Any]) -> bytes:
     return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
