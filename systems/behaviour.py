@@ -18,6 +18,7 @@ from vh_drake.types import (
     Candidates,
     ContactSet,
     GraspScores,
+    Immutable,
     ObjectView,
     Surface,
 )
@@ -37,7 +38,7 @@ class BehaviourSettings:
 
 
 @dc.dataclass(frozen=True, eq=False)
-class _Mind:
+class _Mind(Immutable):
     """All that the behaviour remembers; replaced, never mutated."""
 
     story: Story = dc.field(default_factory=Story)
@@ -152,12 +153,12 @@ class Behaviour(LeafSystem):
             ("joint_state", 16),
         ):
             self._inputs[name] = self.DeclareVectorInputPort(name, size)
-        self.DeclareAbstractState(Value[object](_Mind()))
+        self._state = self.DeclareAbstractState(Value[object](_Mind()))
         self.DeclarePeriodicUnrestrictedUpdateEvent(PERIOD_S, 0.0, self._update)
         self._declare_outputs()
 
     def _declare_outputs(self) -> None:
-        state = {self.all_state_ticket()}
+        state = {self.abstract_state_ticket(self._state)}
         for name, value in (
             ("view", ObjectView()),
             ("contacts", ContactSet()),
@@ -173,7 +174,10 @@ class Behaviour(LeafSystem):
                 prerequisites_of_calc=state,
             )
         self.DeclareAbstractOutputPort(
-            "phase", lambda: Value[str](""), self._calc_phase, prerequisites_of_calc=state
+            "phase",
+            lambda: Value[str](""),
+            self._calc_phase,
+            prerequisites_of_calc=state | {self._inputs["progress"].ticket()},
         )
         for name in ("surface_request", "touch_request", "grasp_request"):
             self.DeclareVectorOutputPort(
@@ -256,15 +260,16 @@ class Behaviour(LeafSystem):
         progress: Progress = self._inputs["progress"].Eval(context)
         if progress.done < mind.program.id:
             return mind
-        assert mind.touch is not None
+        touch = mind.touch
+        assert touch is not None
         felt: ContactSet = self._inputs["contact_point"].Eval(context)
-        record = TouchRecord(mind.touch.plan, False, context.get_time())
+        record = TouchRecord(touch.plan, False, context.get_time())
         if progress.felt and len(felt):
             record = dc.replace(record, felt=True, p_WC=felt.p_WC[0], n_WC=felt.n_WC[0])
             mind = dc.replace(mind, contacts=mind.contacts.with_contact(record.p_WC, record.n_WC))
         story = dc.replace(mind.story, touches=(*mind.story.touches, record))
         mind = dc.replace(mind, story=story)
-        return mind.moving(mind.touch.retreat).entering("retreat")
+        return mind.moving(touch.retreat).entering("retreat")
 
     def _retreat(self, context: Context, mind: _Mind) -> _Mind:
         progress: Progress = self._inputs["progress"].Eval(context)

@@ -23,14 +23,14 @@ class Fingertip(LeafSystem):
         - fingertip_velocity
         - hand_command
 
-    | port               | direction | type           | unit       | meaning                        |
-    |--------------------|-----------|----------------|------------|--------------------------------|
-    | hand_pose          | in        | RigidTransform | m          | X_WH                           |
-    | hand_velocity      | in        | vector (6)     | rad/s, m/s | [w; v] of H in W               |
-    | tip_command        | in        | vector (6)     | rad/s, m/s | wanted [w; v] of T in W        |
-    | fingertip_pose     | out       | RigidTransform | m          | X_WT                           |
-    | fingertip_velocity | out       | vector (6)     | rad/s, m/s | [w; v] of T in W               |
-    | hand_command       | out       | vector (6)     | rad/s, m/s | [w; v] of H that moves T so    |
+    | port               | direction | type           | unit       | meaning                       |
+    |--------------------|-----------|----------------|------------|-------------------------------|
+    | hand_pose          | in        | RigidTransform | m          | X_WH                          |
+    | hand_velocity      | in        | vector (6)     | rad/s, m/s | [w; v] of H in W              |
+    | tip_command        | in        | vector (6)     | rad/s, m/s | wanted [w; v] of T in W       |
+    | fingertip_pose     | out       | RigidTransform | m          | X_WT                          |
+    | fingertip_velocity | out       | vector (6)     | rad/s, m/s | [w; v] of T in W              |
+    | hand_command       | out       | vector (6)     | rad/s, m/s | [w; v] of H that moves T so   |
 
     Args:
         X_HT: the frame in the hand (4, 4).

@@ -10,14 +10,14 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem, State
 from vh_drake.grasping.closing_pose import closing_offset
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress, interpolate, smooth
-from vh_drake.types import Array, TouchPlan
+from vh_drake.types import Array, Immutable, TouchPlan
 
 PERIOD_S = 0.01
 SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.004, 0.03, 2.0
 
 
 @dc.dataclass(frozen=True, eq=False)
-class _Run:
+class _Run(Immutable):
     """Where the executor stands; replaced, never mutated."""
 
     program: MotionProgram = dc.field(default_factory=MotionProgram)
@@ -71,21 +71,21 @@ class GraspExecutor(LeafSystem):
         - touch_plan
         - progress
 
-    | port               | direction | type           | unit | meaning                              |
-    |--------------------|-----------|----------------|------|--------------------------------------|
-    | program            | in        | MotionProgram  | m    | a new id starts it                   |
-    | hand_pose          | in        | RigidTransform | m    | X_WH as commanded to the arm         |
-    | motor_fraction     | in        | vector (k)     | -    | measured travel, 0 open to 1 closed  |
-    | contact            | in        | vector (1)     | -    | 1: touched since the last tare       |
-    | force              | in        | vector (3)     | N    | on the hand since the last tare      |
-    | missed             | in        | vector (1)     | -    | 1: the curve ended without a contact |
-    | target_pose        | out       | RigidTransform | m    | X_WH where the hand shall be now     |
-    | motor_command      | out       | vector (k)     | -    | where the motors shall be now        |
-    | tare               | out       | vector (1)     | -    | id; a change asks for F_0            |
-    | approach_direction | out       | vector (3)     | -    | of a guarded leg, in W; else 0       |
-    | follow             | out       | vector (1)     | -    | 1: the trajectory follower drives    |
-    | touch_plan         | out       | TouchPlan      | m    | the curve for it                     |
-    | progress           | out       | Progress       | -    | last program ended, leg, felt        |
+    | port               | direction | type           | unit | meaning                             |
+    |--------------------|-----------|----------------|------|-------------------------------------|
+    | program            | in        | MotionProgram  | m    | a new id starts it                  |
+    | hand_pose          | in        | RigidTransform | m    | X_WH as commanded to the arm        |
+    | motor_fraction     | in        | vector (k)     | -    | measured travel, 0 open to 1 closed |
+    | contact            | in        | vector (1)     | -    | 1: touched since the last tare      |
+    | force              | in        | vector (3)     | N    | on the hand since the last tare     |
+    | missed             | in        | vector (1)     | -    | 1: the curve ended, nothing touched |
+    | target_pose        | out       | RigidTransform | m    | X_WH where the hand shall be now    |
+    | motor_command      | out       | vector (k)     | -    | where the motors shall be now       |
+    | tare               | out       | vector (1)     | -    | id; a change asks for F_0           |
+    | approach_direction | out       | vector (3)     | -    | of a guarded leg, in W; else 0      |
+    | follow             | out       | vector (1)     | -    | 1: the trajectory follower drives   |
+    | touch_plan         | out       | TouchPlan      | m    | the curve for it                    |
+    | progress           | out       | Progress       | -    | last program ended, leg, felt       |
 
     A leg ends when its time is over and the hand has arrived (or is late by 2 s), a guarded
     leg also at a contact. A program whose touch curve was missed ends.
@@ -145,8 +145,8 @@ class GraspExecutor(LeafSystem):
         run = self._run(context)
         program: MotionProgram = self._program.Eval(context)
         if program.id > run.program.id:
-            run = dc.replace(run, program=program, leg=0)
-            run = self._begin(context, run)
+            motors = self._motors(context, run)
+            run = self._begin(context, dc.replace(run, program=program, leg=0, motors0=motors))
         elif (ended := self._ended(context, run)) is not None:
             run = self._next(context, run, felt=ended)
         else:
@@ -156,11 +156,11 @@ class GraspExecutor(LeafSystem):
     def _begin(self, context: Context, run: _Run) -> _Run:
         """The running leg starts here and now."""
         leg = run.current
+        X_WH0 = self._pose.Eval(context).GetAsMatrix4()
         if leg is None:
-            return dc.replace(run, done=run.program.id)
+            return dc.replace(run, done=run.program.id, X_WH0=X_WH0)
         fraction = self._fraction.Eval(context)
         offset = closing_offset(self._hand, leg.closing, fraction) if leg.closing else np.eye(4)
-        X_WH0 = self._pose.Eval(context).GetAsMatrix4()
         if leg.rise_m is not None:
             run = _with_leg(run, dc.replace(leg, X_WH=_raised(X_WH0, leg.rise_m)))
         return dc.replace(
@@ -175,7 +175,8 @@ class GraspExecutor(LeafSystem):
         """Go on to the next leg, or end the program."""
         leg = run.current
         assert leg is not None
-        run = dc.replace(run, motors0=leg.motors, felt=felt if leg.guarded else run.felt)
+        motors = self._motors(context, run)
+        run = dc.replace(run, motors0=motors, felt=felt if leg.guarded else run.felt)
         if leg.touch is not None or run.leg + 1 == len(run.program.legs):
             X_WH = self._pose.Eval(context).GetAsMatrix4()
             keep = leg.X_WH if not felt and leg.touch is None and not leg.closing else X_WH
@@ -209,7 +210,16 @@ class GraspExecutor(LeafSystem):
         return bool(distance < SETTLE_M and np.arccos(turn) < SETTLE_RAD)
 
     def _share(self, context: Context, run: _Run, leg: Leg) -> float:
-        return (context.get_time() - run.since_s) / leg.duration_s
+        """Of the leg's time that has passed; above 1 where it is late."""
+        return (context.get_time() - run.since_s) / max(leg.duration_s, 1e-9)
+
+    def _motors(self, context: Context, run: _Run) -> Array:
+        """Motor command (k,) now."""
+        leg = run.current
+        if leg is None:
+            return run.motors0
+        share = min(max(self._share(context, run, leg), 0.0), 1.0)
+        return (1.0 - share) * run.motors0 + share * leg.motors
 
     def _calc_target(self, context: Context, output: Value) -> None:
         run = self._run(context)
@@ -226,13 +236,7 @@ class GraspExecutor(LeafSystem):
         output.set_value(RigidTransform(X_WH))
 
     def _calc_motors(self, context: Context, output: BasicVector) -> None:
-        run = self._run(context)
-        leg = run.current
-        if leg is None:
-            output.SetFromVector(run.motors0)
-            return
-        share = np.clip(self._share(context, run, leg), 0.0, 1.0)
-        output.SetFromVector(run.motors0 + share * (leg.motors - run.motors0))
+        output.SetFromVector(self._motors(context, self._run(context)))
 
     def _calc_tare(self, context: Context, output: BasicVector) -> None:
         output.SetAtIndex(0, float(self._run(context).tare))

@@ -15,7 +15,7 @@ from vh_drake.exploration.trajectory import approach_curves
 from vh_drake.hand.clearance import Obstacles, link_clearance
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, path
-from vh_drake.types import Array, TouchPlan
+from vh_drake.types import Array, Immutable, TouchPlan
 
 
 @dc.dataclass(frozen=True)
@@ -37,7 +37,7 @@ class TouchMotionSettings:
 
 
 @dc.dataclass(frozen=True, eq=False)
-class TouchMotion:
+class TouchMotion(Immutable):
     """A touch that the arm can do."""
 
     plan: TouchPlan  # its curve starts at the fingertip's standoff

@@ -1,6 +1,6 @@
 """Loading ARMAR-6 into a plant: some of its joints fixed, dressed in its real meshes."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
@@ -25,6 +25,7 @@ def add_armar6(
     *,
     fixed_joints: Mapping[str, float] | None = None,
     visuals: bool = True,
+    bare_links: Container[str] = (),
 ) -> ModelInstanceIndex:
     """Add ARMAR-6 without hands to `plant`, its platform welded to the world.
 
@@ -35,6 +36,7 @@ def add_armar6(
         fixed_joints: joint name: position [m or rad]; these joints become welds at that
             position and lose their actuators, which splits the robot into cheaper trees.
         visuals: show the meshes of the PyPI package `armar` where that is installed.
+        bare_links: links that keep their own shapes even so.
 
     Raises:
         UnknownName: a name in `fixed_joints` is no moving joint.
@@ -44,7 +46,8 @@ def add_armar6(
     for name, position in (fixed_joints or {}).items():
         fix_joint(robot, name, position)
     if visuals:
-        replace_visuals(robot, armar_visuals())
+        dressed = {name: v for name, v in armar_visuals().items() if name not in bare_links}
+        replace_visuals(robot, dressed)
     parser = Parser(plant)
     add_models(parser)
     (instance,) = parser.AddModelsFromString(ElementTree.tostring(robot, "unicode"), "urdf")

@@ -57,7 +57,11 @@ def find_grasp(
     settings = settings or GraspMotionSettings()
     for index in ranking:
         approach = approach_poses(
-            candidates.X_WH[index], candidates.motion[index], scene, hand, kinematics.pose(q),
+            candidates.X_WH[index],
+            candidates.motion[index],
+            scene,
+            hand,
+            kinematics.pose(q),
             settings,
         )
         lifted = approach[-1].copy()
@@ -84,9 +88,7 @@ def approach_poses(
         beside[:3, 3] -= settings.standoff_m * palm
     lowest = link_clearance(hand, beside, scene)[1]
     frame = float(scene.table.height(beside[:3, 3]))
-    rise = max(
-        scene.top_m + settings.safe_height_m - lowest, settings.least_transit_m - frame, 0.0
-    )
+    rise = max(scene.top_m + settings.safe_height_m - lowest, settings.least_transit_m - frame, 0.0)
     height = max(frame + rise, float(scene.table.height(X_WH_now[:3, 3])))
     over, raised = beside.copy(), X_WH_now.copy()
     over[:3, 3] += (height - frame) * up

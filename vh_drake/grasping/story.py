@@ -4,11 +4,11 @@ import dataclasses as dc
 
 import numpy as np
 
-from vh_drake.types import Array, TouchPlan
+from vh_drake.types import Array, Immutable, TouchPlan
 
 
 @dc.dataclass(frozen=True, eq=False)
-class TouchRecord:
+class TouchRecord(Immutable):
     """One touch: what was planned and what was felt."""
 
     plan: TouchPlan
@@ -19,7 +19,7 @@ class TouchRecord:
 
 
 @dc.dataclass(frozen=True, eq=False)
-class GraspRecord:
+class GraspRecord(Immutable):
     """One grasp that was tried."""
 
     X_WH: Array  # (4, 4) hand pose in which the closing starts
@@ -31,7 +31,7 @@ class GraspRecord:
 
 
 @dc.dataclass(frozen=True, eq=False)
-class Story:
+class Story(Immutable):
     """The behaviour so far."""
 
     phase: str = "look"

@@ -5,14 +5,14 @@ import dataclasses as dc
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from vh_drake.types import Array, TouchPlan
+from vh_drake.types import Array, Immutable, TouchPlan
 
 FAST_M_S, FAST_RAD_S = 0.30, 1.2
 SLOW_M_S = 0.06
 
 
 @dc.dataclass(frozen=True, eq=False)
-class Leg:
+class Leg(Immutable):
     """One piece of a motion: the hand goes straight to a pose while the motors travel."""
 
     name: str = ""  # shown as the phase
@@ -30,7 +30,7 @@ class Leg:
 
 
 @dc.dataclass(frozen=True, eq=False)
-class MotionProgram:
+class MotionProgram(Immutable):
     """Legs with an id; a new id starts them."""
 
     id: int = 0
@@ -38,7 +38,7 @@ class MotionProgram:
 
 
 @dc.dataclass(frozen=True)
-class Progress:
+class Progress(Immutable):
     """How far the executor is."""
 
     done: int = 0  # id of the last program that ended

@@ -32,25 +32,25 @@ TOUCH_SPEED_M_S = 0.03
 class Decision(Diagram):
     """From sensors to commands.
 
-    | port             | direction | type           | unit       | meaning                          |
-    |------------------|-----------|----------------|------------|----------------------------------|
-    | cloud            | in        | Cloud          | m          | what the head camera sees        |
-    | wrist_wrench     | in        | vector (6)     | N m, N     | [torque; force] about Ho in H    |
-    | hand_pose        | in        | RigidTransform | m          | X_WH, measured                   |
-    | hand_velocity    | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, measured       |
-    | commanded_pose   | in        | RigidTransform | m          | X_WH, commanded                  |
-    | commanded_state  | in        | vector (16)    | rad, rad/s | of the arm's servos              |
-    | motor_fraction   | in        | vector (k)     | -          | measured travel of the motors    |
-    | spatial_velocity | out       | vector (6)     | rad/s, m/s | wanted [w; v] of H in W          |
-    | motor_command    | out       | vector (k)     | -          | wanted travel of the motors      |
-    | story            | out       | Story          | -          | what happened so far             |
-    | phase            | out       | str            | -          | for people                       |
-    | view             | out       | ObjectView     | m          | the look                         |
-    | contacts         | out       | ContactSet     | m          | felt so far                      |
-    | surface          | out       | Surface        | m          | estimate                         |
-    | touch_plan       | out       | TouchPlan      | m          | the touch under way              |
-    | candidates       | out       | Candidates     | m          | grasps                           |
-    | scores           | out       | GraspScores    | -          | their ratings                    |
+    | port             | direction | type           | unit       | meaning                         |
+    |------------------|-----------|----------------|------------|---------------------------------|
+    | cloud            | in        | Cloud          | m          | what the head camera sees       |
+    | wrist_wrench     | in        | vector (6)     | N m, N     | [torque; force] about Ho in H   |
+    | hand_pose        | in        | RigidTransform | m          | X_WH, measured                  |
+    | hand_velocity    | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, measured      |
+    | commanded_pose   | in        | RigidTransform | m          | X_WH, commanded                 |
+    | commanded_state  | in        | vector (16)    | rad, rad/s | of the arm's servos             |
+    | motor_fraction   | in        | vector (k)     | -          | measured travel of the motors   |
+    | spatial_velocity | out       | vector (6)     | rad/s, m/s | wanted [w; v] of H in W         |
+    | motor_command    | out       | vector (k)     | -          | wanted travel of the motors     |
+    | story            | out       | Story          | -          | what happened so far            |
+    | phase            | out       | str            | -          | for people                      |
+    | view             | out       | ObjectView     | m          | the look                        |
+    | contacts         | out       | ContactSet     | m          | felt so far                     |
+    | surface          | out       | Surface        | m          | estimate                        |
+    | touch_plan       | out       | TouchPlan      | m          | the touch under way             |
+    | candidates       | out       | Candidates     | m          | grasps                          |
+    | scores           | out       | GraspScores    | -          | their ratings                   |
     """
 
 

@@ -30,4 +30,6 @@ def draw_object_pose(scenario: Scenario, model: ObjectModel) -> RigidTransform:
 def place_object(station: Station, root_context: Context, X_WO: RigidTransform) -> None:
     """Set the object's pose in the root context of a diagram that holds the station."""
     plant = station.world.plant
-    plant.SetFreeBodyPose(plant.GetMyMutableContextFromRoot(root_context), station.world.object, X_WO)
+    plant.SetFreeBodyPose(
+        plant.GetMyMutableContextFromRoot(root_context), station.world.object, X_WO
+    )

@@ -23,6 +23,7 @@ from pydrake.multibody.plant import (
 )
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, PdControllerGains, RigidBody
 from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
 
 from vh_drake.control.kinematics import (
     TORSO_JOINT,
@@ -33,7 +34,8 @@ from vh_drake.control.kinematics import (
 from vh_drake.geometry.model_files import models_folder
 from vh_drake.geometry.robot_model import add_armar6
 from vh_drake.hand.description import HandDescription, load_hand
-from vh_drake.objects.drake_model import add_object
+from vh_drake.hand.mirror import mirrored_sdf
+from vh_drake.objects.drake_model import ContactModel, add_object
 from vh_drake.objects.model import ObjectModel
 from vh_drake.scenes.scenario import Scenario, Table
 
@@ -43,6 +45,7 @@ ARM_GAINS = (
     *((1000.0, 80.0),) * 2,
     *((500.0, 30.0),) * 2,
 )
+HAND_LINK, LEFT_HAND_LINK = "hand_fixed_r1", "hand_fixed_r0"
 TABLE_MODULUS_PA = 1e7
 DISSIPATION_S_M = 5.0
 TABLE_THICKNESS_M = 0.05
@@ -59,26 +62,30 @@ class World:
     wrist: Joint  # between arm and hand
     object: RigidBody
     description: HandDescription
+    left_hand: ModelInstanceIndex | None = None  # the mirrored hand, where there is one
 
 
 def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -> World:
     """Add plant and scene graph with robot, table and object to `builder`, finalized."""
+    contact: ContactModel = "hydroelastic" if scenario.contact == "hydroelastic" else "point"
     config = MultibodyPlantConfig(
         time_step=scenario.time_step_s,
-        contact_model=(
-            "hydroelastic_with_fallback" if scenario.contact == "hydroelastic" else "point"
-        ),
+        contact_model="hydroelastic_with_fallback" if contact == "hydroelastic" else contact,
         discrete_contact_approximation="lagged",
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
-    robot = _add_robot(plant)
+    robot = _add_robot(plant, left_hand=scenario.left_hand)
     description = load_hand(scenario.hand or default_hand())
     hand, wrist = _add_hand(plant, description)
+    left_hand = _add_left_hand(plant, description) if scenario.left_hand else None
     add_table(plant, scenario.table)
-    body = add_object(plant, model, contact=scenario.contact)
+    body = add_object(plant, model, contact=contact)
     plant.Finalize()
     _filter_hand_against_arm(plant, scene_graph, robot, hand)
-    return World(plant, scene_graph, robot, hand, wrist, body, description)
+    if left_hand is not None:
+        _filter_hand_against_arm(plant, scene_graph, robot, left_hand)
+        _hold_open(builder, plant, left_hand)
+    return World(plant, scene_graph, robot, hand, wrist, body, description, left_hand)
 
 
 def default_hand() -> Path:
@@ -107,10 +114,13 @@ def add_table(plant: MultibodyPlant, table: Table) -> None:
         plant.RegisterVisualGeometry(world, RigidTransform(p), leg, f"table_leg_{i}", color)
 
 
-def _add_robot(plant: MultibodyPlant) -> ModelInstanceIndex:
+def _add_robot(plant: MultibodyPlant, *, left_hand: bool) -> ModelInstanceIndex:
     """ARMAR-6 with its torso and left arm at rest and servos in its right arm."""
     fixed = dict(zip(arm_joint_names("left"), home_configuration("left"), strict=True))
-    robot = add_armar6(plant, fixed_joints=fixed | {TORSO_JOINT: TORSO_POSITION_M})
+    fixed[TORSO_JOINT] = TORSO_POSITION_M
+    # The rigid left hand is a mesh of the robot's own; an articulated one takes its place.
+    bare = (LEFT_HAND_LINK,) if left_hand else ()
+    robot = add_armar6(plant, fixed_joints=fixed, bare_links=bare)
     names = arm_joint_names("right")
     actuators = {
         plant.get_joint_actuator(index).joint().name(): plant.get_joint_actuator(index)
@@ -127,9 +137,25 @@ def _add_hand(
 ) -> tuple[ModelInstanceIndex, Joint]:
     (hand,) = Parser(plant, "right").AddModels(description.model)
     wrist = plant.WeldFrames(
-        plant.GetFrameByName("hand_fixed_r1"), plant.GetFrameByName(description.base, hand)
+        plant.GetFrameByName(HAND_LINK), plant.GetFrameByName(description.base, hand)
     )
     return hand, wrist
+
+
+def _add_left_hand(plant: MultibodyPlant, description: HandDescription) -> ModelInstanceIndex:
+    """The mirror image of the right hand."""
+    sdf = mirrored_sdf(Path(description.model).read_text())
+    (hand,) = Parser(plant, "left").AddModelsFromString(sdf, "sdf")
+    base = plant.GetFrameByName(description.base, hand)
+    plant.WeldFrames(plant.GetFrameByName(LEFT_HAND_LINK), base)
+    return hand
+
+
+def _hold_open(builder: DiagramBuilder, plant: MultibodyPlant, hand: ModelInstanceIndex) -> None:
+    """Motors without a task keep their tendons slack."""
+    servos = plant.get_desired_state_input_port(hand)
+    still = builder.AddNamedSystem("left_hand_open", ConstantVectorSource(np.zeros(servos.size())))
+    builder.Connect(still.get_output_port(), servos)
 
 
 def _filter_hand_against_arm(
@@ -141,10 +167,7 @@ def _filter_hand_against_arm(
     """The hand meets the forearm in its wrist; both never reach the rest of the robot."""
     sets = [
         GeometrySet(
-            [
-                plant.GetBodyFrameIdOrThrow(index)
-                for index in plant.GetBodyIndices(instance)
-            ]
+            [plant.GetBodyFrameIdOrThrow(index) for index in plant.GetBodyIndices(instance)]
         )
         for instance in (robot, hand)
     ]

@@ -6,7 +6,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import MatrixGain
 
-from vh_drake.control.kinematics import ArmKinematics, arm_joint_names
+from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.hand.model import HandModel, read_hand_model
 from vh_drake.objects.model import ObjectModel
 from vh_drake.scenes.camera import make_depth_camera
@@ -110,9 +110,7 @@ def _add_arm(
         _connect(builder, integrator, "desired_state", sink, "joint_state")
     desired = integrator.GetOutputPort("desired_state")
     builder.Connect(desired, plant.get_desired_state_input_port(world.robot))
-    builder.Connect(
-        gravity.GetOutputPort("torque"), plant.get_actuation_input_port(world.robot)
-    )
+    builder.Connect(gravity.GetOutputPort("torque"), plant.get_actuation_input_port(world.robot))
     joint_state = plant.get_state_output_port(world.robot)
     builder.Connect(joint_state, measured.GetInputPort("joint_state"))
     builder.ExportOutput(desired, "commanded_state")
@@ -143,10 +141,14 @@ def _add_hand(builder: DiagramBuilder, world: World, hand: HandModel) -> None:
 def _motor_encoders(world: World) -> MatrixGain:
     """Picks positions and velocities of the motors out of the hand's state."""
     plant = world.plant
-    joints = [plant.GetJointByName(motor.joint) for motor in world.description.motors]
+    joints = [plant.GetJointByName(motor.joint, world.hand) for motor in world.description.motors]
     bodies = plant.GetJointIndices(world.hand)
-    positions = [plant.get_joint(i).position_start() for i in bodies if plant.get_joint(i).num_positions()]
-    velocities = [plant.get_joint(i).velocity_start() for i in bodies if plant.get_joint(i).num_velocities()]
+    positions = [
+        plant.get_joint(i).position_start() for i in bodies if plant.get_joint(i).num_positions()
+    ]
+    velocities = [
+        plant.get_joint(i).velocity_start() for i in bodies if plant.get_joint(i).num_velocities()
+    ]
     rows = [joint.position_start() - min(positions) for joint in joints]
     rows += [len(positions) + joint.velocity_start() - min(velocities) for joint in joints]
     return MatrixGain(np.eye(len(positions) + len(velocities))[rows])
@@ -157,9 +159,7 @@ def _add_sensors(builder: DiagramBuilder, world: World, scenario: Scenario) -> N
     wrist = builder.AddNamedSystem(
         "wrist_sensor", WristSensor(plant, world.wrist, scenario.wrist, scenario.seed)
     )
-    builder.Connect(
-        plant.get_reaction_forces_output_port(), wrist.GetInputPort("reaction_forces")
-    )
+    builder.Connect(plant.get_reaction_forces_output_port(), wrist.GetInputPort("reaction_forces"))
     builder.ExportOutput(wrist.GetOutputPort("wrist_wrench"), "wrist_wrench")
     neck = plant.GetBodyFrameIdOrThrow(plant.GetBodyByName(CAMERA_BODY).index())
     camera = make_depth_camera(
