@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from fuzzing import FILES, limits
 
 from vh_drake.errors import BadInput
 from vh_drake.hand.description import load_hand
@@ -76,13 +77,12 @@ def test_a_damaged_file_loads_or_raises_bad_input_in_bounded_time(folder, block)
     original = SHIPPED.read_bytes()
     path = folder / "hand.yaml"
     messages = []
-    start_s = time.perf_counter()
-    for _ in range(40):
+    for _ in range(FILES["hand"] // 5):
         path.write_bytes(damaged(original, random_))
-        messages += refusal(path)
+        with limits(LARGEST_SECONDS, megabytes=500):
+            messages += refusal(path)
     assert len(messages) > 10
     assert all(str(path) in message and len(message) < 2000 for message in messages)
-    assert time.perf_counter() - start_s < 40 * LARGEST_SECONDS
 
 
 @pytest.mark.parametrize(

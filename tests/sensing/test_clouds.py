@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 import trimesh
+from fuzzing import FILES, limits
 
 from vh_drake.errors import BadInput
 from vh_drake.sensing.clouds import load_cloud
@@ -184,11 +185,12 @@ def outcome(folder, name, data):
 def test_damaged_files_give_finite_points_or_a_clear_error(tmp_path):
     rng = np.random.default_rng(1)
     refused, slowest = 0, 0.0
-    for i in range(400):
+    for i in range(FILES["cloud"]):
         name = list(WHOLE)[i % len(WHOLE)]
         data = damaged(WHOLE[name], rng)
         start = time.perf_counter()
-        message = outcome(tmp_path, name, data)
+        with limits(seconds=5.0, megabytes=1000):
+            message = outcome(tmp_path, name, data)
         slowest = max(slowest, time.perf_counter() - start)
         assert message is None or name in message
         refused += message is not None

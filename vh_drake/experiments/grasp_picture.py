@@ -17,7 +17,7 @@ from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, Cloud, Plane, Surface
 
 MOST_HANDS = 3
-_MOST_POINTS = 800
+_MOST_POINTS = 400
 _AROUND_M = 0.05  # of the object, that is shown of cloud and table
 _THICK_M, _THIN_M = 0.008, 0.003  # radii of the tubes of a hand [m]
 _GREY = (0.7, 0.75, 0.85)
@@ -55,12 +55,12 @@ def draw_estimate(axes: Axes3D, plan: GraspPlan, cloud: Cloud) -> None:
     near = near[:: max(1, len(near) // _MOST_POINTS)]
     axes.scatter(*near.T, s=1.0, color="grey", zorder=_LABELS, label="cloud")
     seen = plan.view.p_WO[:: max(1, len(plan.view.p_WO) // _MOST_POINTS)]
-    axes.scatter(*seen.T, s=2.0, color="black", zorder=_LABELS, label="of it, the object")
+    axes.scatter(*seen.T, s=4.0, color="black", zorder=_LABELS, label="of it, the object")
     if len(plan.contacts):
         p = plan.contacts.p_WC.T
         axes.scatter(*p, s=60, color="red", zorder=_LABELS, label="touched places")
     axes.legend(loc="upper left")
-    axes.set_title(f"Estimate from {len(plan.view.p_WO)} points, {len(plan.contacts)} touches")
+    axes.set_title(f"Estimate; points: {len(plan.view.p_WO)}, touches: {len(plan.contacts)}")
     _finish(axes, plan, np.vstack([low, high]))
 
 
@@ -122,14 +122,15 @@ def _draw_table(axes: Axes3D, table: Plane, low: Array, high: Array) -> None:
 
 
 def _finish(axes: Axes3D, plan: GraspPlan, box: Array) -> None:
-    """Equal axes with units, seen from the camera's side."""
+    """Equal axes with units, seen along a diagonal from the camera's side."""
     low, high = box.min(axis=0), box.max(axis=0)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=0.85)
+    axes.set_box_aspect(high - low, zoom=0.95)
     axes.locator_params(nbins=5)
     away = plan.view.p_WCamera - plan.view.p_WO.mean(axis=0)
-    axes.view_init(elev=25.0, azim=float(np.degrees(np.arctan2(away[1], away[0]))) + 35.0)
+    azimuth = float(np.degrees(np.arctan2(away[1], away[0])))
+    axes.view_init(elev=30.0, azim=45.0 + 90.0 * round((azimuth - 45.0) / 90.0))
 
 
 def _colorbar(figure: Figure, axes: Axes3D, name: str, highest: float, label: str) -> None:

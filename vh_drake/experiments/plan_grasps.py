@@ -108,7 +108,9 @@ def _look(diagram: Diagram, context: Context, cloud: Cloud, table: Plane | None)
     diagram.GetInputPort("cloud").FixValue(context, Value[object](cloud))
     status: str = diagram.GetOutputPort("status").Eval(context)
     if status != "ok":
-        raise NothingSeen(status)
+        raise NothingSeen(
+            f"{status}; where the cloud holds the object alone, give its table with --table"
+        )
     seen: ObjectView = diagram.GetOutputPort("object_view").Eval(context)
     return seen
 
@@ -118,7 +120,7 @@ def _check_camera(view: ObjectView) -> None:
     if float(view.table.height(view.p_WCamera)) < _LEAST_CAMERA_HEIGHT_M:
         raise BadInput(
             f"the camera at {np.round(view.p_WCamera, 3)} m is not over the table "
-            f"(z = {_table_height(view):.3f} m below the object); give its optical centre "
+            f"(at z = {_table_height(view):.3f} m); give its optical centre "
             "with --camera X Y Z, in the frame of the cloud"
         )
 

@@ -154,7 +154,8 @@ def _check_texts(scenario: Scenario) -> None:
 
 def _check_range(name: str, value: float | None, low: float, high: float) -> None:
     if value is not None and not low <= value <= high:  # NaN fails both comparisons.
-        raise BadInput(f"{name} is {value:g}; choose a value from {low:g} to {high:g}")
+        shown = f"{value:g}" if abs(value) < 1e300 or isinstance(value, float) else "huge"
+        raise BadInput(f"{name} is {shown}; choose a value from {low:g} to {high:g}")
 
 
 def overridden(path: Path | None, **values: object) -> Scenario:
