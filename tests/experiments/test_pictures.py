@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from PIL import Image
+from matplotlib.image import imread
 from pydrake.geometry import Box, Rgba
 from pydrake.math import RigidTransform
 
@@ -18,10 +18,10 @@ def test_page_of_a_shot_looks_at_the_object_and_hides_what_is_in_the_way(tmp_pat
     meshcat.SetObject("/thing", Box(0.1, 0.1, 0.1), Rgba(0.0, 0.0, 1.0))
     meshcat.SetObject("/wall", Box(0.5, 0.01, 0.5), Rgba(1.0, 0.0, 0.0))
     meshcat.SetTransform("/thing", RigidTransform(P_WO))
-    meshcat.SetTransform("/wall", RigidTransform(P_WO + [0.0, 0.2, 0.0]))
+    meshcat.SetTransform("/wall", RigidTransform(P_WO + np.array([0.0, 0.2, 0.0])))
     shot = Shot("s", "look", 0.0, (0.0, 0.5, 0.1), (0.0, 0.0, 0.0), ("/wall",))
     path = _picture(_page(meshcat, shot, P_WO, tmp_path), tmp_path / "s.jpg")
-    image = np.asarray(Image.open(path)) / 255.0
+    image = imread(path) / 255.0
     assert image.shape[:2] == SIZE[::-1]
     assert path.stat().st_size < MOST_BYTES
     middle = image[SIZE[1] // 2, SIZE[0] // 2]

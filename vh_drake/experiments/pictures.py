@@ -10,8 +10,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from matplotlib.image import imread
-from PIL import Image
+from matplotlib.image import imread, imsave
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
@@ -23,6 +22,7 @@ from vh_drake.scenes.showing import make_meshcat
 from vh_drake.types import Array
 
 SIZE = (1000, 750)  # pixels
+FOV_Y_DEG = 42.0
 MOST_BYTES = 400_000
 STEP_S = 0.02
 OBJECT_PATH = "/drake/scene/object"
@@ -42,13 +42,33 @@ class Shot:
     hidden: tuple[str, ...] = ()  # Meshcat paths
 
 
+ROBOT = ("/drake/scene/armar6", "/drake/scene/right")
 SHOTS = (
-    Shot("touch", "touch: feel", 0.2, (0.75, -0.65, 0.5), (-0.1, 0.0, 0.22)),
     Shot(
-        "estimate", "plan grasps", 0.0, (0.3, 0.12, 0.2), (0.0, 0.0, 0.01), (OBJECT_PATH, "/phase")
+        "touch",
+        "touch: feel",
+        0.2,
+        (0.42, 0.62, 0.38),
+        (-0.02, -0.03, 0.14),
+        (OBJECT_PATH, "/phase"),
     ),
-    Shot("candidates", "grasp: ", 0.1, (0.4, -0.3, 0.35), (0.0, 0.0, 0.03), ("/phase", "/cloud")),
-    Shot("lift", "grasp: hold", 1.0, (0.95, -0.75, 0.7), (-0.25, 0.05, 0.3)),
+    Shot(
+        "estimate",
+        "plan grasps",
+        0.0,
+        (0.21, 0.13, 0.16),
+        (0.0, 0.0, 0.015),
+        (OBJECT_PATH, *ROBOT, "/phase"),
+    ),
+    Shot(
+        "candidates",
+        "grasp: ",
+        0.1,
+        (0.3, -0.26, 0.28),
+        (0.0, 0.0, 0.05),
+        (OBJECT_PATH, *ROBOT, "/phase", "/cloud"),
+    ),
+    Shot("lift", "grasp: hold", 1.0, (1.3, -0.95, 0.85), (-0.2, 0.0, 0.36), ("/phase",)),
 )
 
 
@@ -70,6 +90,7 @@ def take_pictures(
     """
     folder.mkdir(parents=True, exist_ok=True)
     meshcat = make_meshcat()
+    meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=FOV_Y_DEG, aspect=SIZE[0] / SIZE[1]))
     trial = make_trial(scenario or Scenario(contact="point"), meshcat=meshcat)
     with tempfile.TemporaryDirectory() as pages:
         found = _pages(trial, meshcat, shots, Path(pages))
@@ -118,10 +139,10 @@ def _page(meshcat: Meshcat, shot: Shot, p_WO: Array, folder: Path) -> Path:
 def _picture(page: Path, path: Path) -> Path:
     """A JPEG of a page, small enough for a README."""
     png = screenshot(page, page.with_suffix(".png"), size=SIZE, budget_s=10.0)
-    pixels = (255 * np.asarray(imread(png))[..., :3]).round().astype(np.uint8)
+    pixels = np.ascontiguousarray(imread(png)[..., :3])
     for quality in (92, 85, 75, 60):
         data = io.BytesIO()
-        Image.fromarray(pixels).save(data, "JPEG", quality=quality, optimize=True)
+        imsave(data, pixels, format="jpeg", pil_kwargs={"quality": quality})
         if data.tell() <= MOST_BYTES:
             break
     path.write_bytes(data.getvalue())

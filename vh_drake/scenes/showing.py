@@ -22,7 +22,7 @@ from vh_drake.systems.touch_publisher import TouchPublisher
 ROBOT_PERIOD_S = 0.06
 CAMERA_W, TARGET_W = (1.4, -0.9, 1.45), (0.5, -0.22, 1.08)
 P_W_SIGN, SIGN_HEIGHT_M = (0.75, 0.2, 1.22), 0.1
-BACKGROUND_TOP, BACKGROUND_BOTTOM = (0.93, 0.95, 0.98), (1.0, 1.0, 1.0)
+BACKGROUND = (0.97, 0.98, 1.0)
 
 
 def make_meshcat(host: str = "localhost", port: int | None = None) -> Meshcat:
@@ -33,12 +33,12 @@ def make_meshcat(host: str = "localhost", port: int | None = None) -> Meshcat:
         port: None takes the first free one from 7000.
     """
     meshcat = Meshcat(MeshcatParams(host=host, port=port))
-    meshcat.SetProperty("/Background", "top_color", list(BACKGROUND_TOP))
-    meshcat.SetProperty("/Background", "bottom_color", list(BACKGROUND_BOTTOM))
+    for color in ("top_color", "bottom_color"):
+        meshcat.SetProperty("/Background", color, list(BACKGROUND))
     for path in ("/Grid", "/Axes"):
         meshcat.SetProperty(path, "visible", False)
     # Colours stand for numbers, so that no side may lie in the dark.
-    meshcat.SetProperty("/Lights/AmbientLight/<object>", "intensity", 1.2)
+    meshcat.SetProperty("/Lights/AmbientLight/<object>", "intensity", 0.9)
     meshcat.SetCameraPose(CAMERA_W, TARGET_W)
     return meshcat
 
