@@ -230,6 +230,10 @@ class Behaviour(LeafSystem):
         """S3, then another touch or the grasp."""
         if not self._served(context, "surface", mind.surface_request):
             return mind
+        if len(self._inputs["surface"].Eval(context).faces) == 0:
+            return mind.giving_up(
+                f"no surface could be estimated from {len(mind.view.p_WO)} points of the object"
+            )
         missed = sum(not record.felt for record in mind.story.touches)
         felt = len(mind.story.touches) - missed
         if felt < self._settings.touches and missed < self._settings.missed_touches:

@@ -79,7 +79,8 @@ class TrajectoryFollower(LeafSystem):
         plan: TouchPlan = self._plan.Eval(context)
         if motion.plan is not None and _same(motion.plan, plan):
             return motion
-        return _Motion(plan, self._pose.Eval(context).rotation())
+        # A copy: the pose's own rotation would change along with the pose.
+        return _Motion(plan, RotationMatrix(self._pose.Eval(context).rotation()))
 
     def _step(self, context: Context) -> FollowStep:
         motion = self._motion_now(context)

@@ -1,3 +1,6 @@
+import gc
+import weakref
+
 import numpy as np
 import pytest
 import trimesh
@@ -70,6 +73,25 @@ def test_the_pose_is_that_of_the_optical_frame():
     context = caster.GetMyContextFromRoot(root)
     pose = caster.GetOutputPort("body_pose_in_world").Eval(context)
     assert pose.IsExactlyEqualTo(looking_down(1.5))
+
+
+def test_no_handle_of_a_context_outlives_it(monkeypatch):
+    """A new context at the old one's address would be taken for it, and Drake would crash."""
+    handles = []
+    calc = RaycastDepth._calc_depth
+
+    def watched(self, context, output):
+        handles.append(weakref.ref(context))
+        calc(self, context, output)
+
+    monkeypatch.setattr(RaycastDepth, "_calc_depth", watched)
+    diagram, caster = diagram_with(Box(0.4, 0.4, 0.2), RigidTransform([0.0, 0.0, 0.5]))
+    gc.disable()  # The garbage of a cycle lives on until its turn comes.
+    try:
+        depth(diagram, caster)
+        assert [handle() for handle in handles] == [None]
+    finally:
+        gc.enable()
 
 
 def mesh_file(folder):

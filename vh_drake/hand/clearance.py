@@ -4,6 +4,7 @@ import dataclasses as dc
 
 import numpy as np
 
+from vh_drake.errors import BadInput
 from vh_drake.geometry.meshes import TriMesh
 from vh_drake.geometry.signed_distance import interpolate, signed_distance_grid
 from vh_drake.hand.model import HandModel
@@ -28,6 +29,8 @@ def obstacles(surface: Surface, table: Plane) -> Obstacles:
     Raises:
         BadInput: the surface is empty.
     """
+    if len(surface.faces) == 0:
+        raise BadInput("an empty surface is no obstacle; estimate it from points first")
     mesh = TriMesh(surface.vertices, surface.faces)
     grid = signed_distance_grid(mesh, spacing=_SPACING_M, padding=_PADDING_M)
     return Obstacles(grid, table, float(table.height(surface.vertices).max()))

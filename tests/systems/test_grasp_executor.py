@@ -1,0 +1,249 @@
+import dataclasses as dc
+
+import numpy as np
+import pytest
+from leaf import Leaf
+from pydrake.math import RigidTransform
+
+from vh_drake.geometry.model_files import models_folder
+from vh_drake.grasping.closing_pose import closing_offset
+from vh_drake.hand.description import load_hand
+from vh_drake.hand.model import read_hand_model
+from vh_drake.hand.program import Leg, MotionProgram, interpolate, smooth
+from vh_drake.systems.grasp_executor import PATIENCE_S, PERIOD_S, GraspExecutor
+from vh_drake.types import TouchPlan
+
+HAND = read_hand_model(load_hand(models_folder() / "armar6_hand" / "armar6_hand.yaml"))
+OPEN, CLOSED = np.zeros(2), np.ones(2)
+
+
+def place(x=0.0, y=0.0, z=1.0):
+    X = np.eye(4)
+    X[:3, 3] = [x, y, z]
+    return X
+
+
+HOME, THERE = place(), place(0.1, 0.05, 1.1)
+GO = Leg("go", THERE, np.array([0.5, 0.25]), 0.5)
+GUARDED = Leg("feel", THERE, OPEN, 1.0, guarded=True)
+PLAN = TouchPlan(p_WT=np.array([0.1, 0.0, 1.0]), n_WT=np.array([-1.0, 0.0, 0.0]))
+TOUCH = Leg("touch", THERE, OPEN, 1.0, guarded=True, touch=PLAN)
+
+
+def executor(*legs, caching=True, **inputs):
+    """One that has just begun a program."""
+    given = {
+        "program": MotionProgram(1, legs),
+        "hand_pose": RigidTransform(HOME),
+        "motor_fraction": OPEN,
+        "contact": 0.0,
+        "force": np.zeros(3),
+        "missed": 0.0,
+    }
+    leaf = Leaf(GraspExecutor(HAND, HOME), caching=caching, **(given | inputs))
+    return leaf.advance(PERIOD_S / 2)
+
+
+def target(leaf):
+    return leaf.get("target_pose").GetAsMatrix4()
+
+
+def at(leaf, X_WH):
+    return leaf.fix(hand_pose=RigidTransform(X_WH))
+
+
+@pytest.mark.parametrize("caching", [True, False])
+def test_a_leg_moves_hand_and_motors_together(caching):
+    leaf = executor(GO, caching=caching)
+    for _ in range(4):
+        leaf.advance(0.1)
+        share = leaf.context.get_time() / 0.5
+        np.testing.assert_allclose(
+            target(leaf), interpolate(HOME, THERE, smooth(share)), atol=1e-12
+        )
+        np.testing.assert_allclose(leaf.get("motor_command"), share * GO.motors, atol=1e-12)
+        assert leaf.get("progress").leg == "go"
+        assert leaf.get("progress").done == 0
+
+
+def test_without_a_program_the_hand_stays_at_its_start():
+    leaf = executor(program=MotionProgram())
+    leaf.advance(0.3)
+    np.testing.assert_array_equal(target(leaf), HOME)
+    assert leaf.get("progress").leg == ""
+
+
+def test_a_leg_ends_when_its_time_is_over_and_the_hand_has_arrived():
+    leaf = executor(GO)
+    leaf.advance(0.6)
+    assert leaf.get("progress").done == 0  # The hand is still where it began.
+    at(leaf, THERE).advance(2 * PERIOD_S)
+    assert leaf.get("progress").done == 1
+    np.testing.assert_allclose(target(leaf), THERE)
+    np.testing.assert_allclose(leaf.get("motor_command"), GO.motors)
+
+
+def test_a_hand_that_never_arrives_is_not_waited_for_endlessly():
+    leaf = executor(GO)
+    leaf.advance(0.5 + PATIENCE_S - 0.1)
+    assert leaf.get("progress").done == 0
+    leaf.advance(0.2)
+    assert leaf.get("progress").done == 1
+
+
+def test_a_turned_hand_has_not_arrived():
+    turned = THERE.copy()
+    turned[:3, :3] = [[np.cos(0.1), -np.sin(0.1), 0], [np.sin(0.1), np.cos(0.1), 0], [0, 0, 1]]
+    leaf = at(executor(GO), turned)
+    leaf.advance(0.7)
+    assert leaf.get("progress").done == 0
+
+
+def test_a_guarded_leg_ends_at_a_contact_and_stays_there():
+    leaf = executor(GUARDED)
+    leaf.advance(0.3)
+    here = place(0.03, 0.01, 1.03)
+    at(leaf, here).fix(contact=1.0).advance(2 * PERIOD_S)
+    assert leaf.get("progress").done == 1
+    assert leaf.get("progress").felt
+    np.testing.assert_allclose(target(leaf), here)
+
+
+def test_a_guarded_leg_that_meets_nothing_goes_on_unfelt():
+    leaf = at(executor(GUARDED, dc.replace(GO, name="next")), THERE)
+    leaf.advance(1.0 + 2 * PERIOD_S)
+    assert leaf.get("progress").leg == "next"
+    assert not leaf.get("progress").felt
+
+
+def test_a_contact_does_not_end_a_leg_without_guard():
+    leaf = executor(GO, contact=1.0, force=[0.0, 0.0, 50.0])
+    leaf.advance(0.4)
+    assert leaf.get("progress").leg == "go"
+
+
+def test_a_leg_with_a_force_guard_heeds_the_force_alone():
+    guarded = dc.replace(GUARDED, guard_n=4.0)
+    leaf = executor(guarded, contact=1.0, force=[0.0, 3.0, -2.0])
+    leaf.advance(0.2)
+    assert leaf.get("progress").leg == "feel"
+    leaf.fix(force=[0.0, 3.0, -3.0]).advance(2 * PERIOD_S)
+    assert leaf.get("progress").felt
+
+
+def test_a_contact_from_before_the_tare_is_not_taken_for_one():
+    """The estimator needs a period to answer the tare with a fresh contact flag."""
+    leaf = executor(GUARDED, contact=1.0)
+    assert leaf.get("progress").leg == "feel"
+    leaf.fix(contact=0.0).advance(0.2)
+    assert leaf.get("progress").leg == "feel"
+
+
+def test_each_guarded_leg_asks_for_a_tare_once():
+    leaf = executor(GO, GUARDED, dc.replace(GUARDED, X_WH=HOME, name="back"), GO)
+    tares = []
+    for X_WH in (THERE, THERE, HOME, THERE):
+        tares.append((leaf.get("progress").leg, float(leaf.get("tare")[0])))
+        at(leaf, X_WH).advance(1.1 if leaf.get("progress").leg != "go" else 0.6)
+    assert tares == [("go", 0.0), ("feel", 1.0), ("back", 2.0), ("go", 2.0)]
+
+
+def test_the_approach_direction_is_that_of_a_guarded_leg_only():
+    np.testing.assert_array_equal(executor(GO).get("approach_direction"), 0.0)
+    way = THERE[:3, 3] - HOME[:3, 3]
+    np.testing.assert_allclose(
+        executor(GUARDED).get("approach_direction"), way / np.linalg.norm(way)
+    )
+    np.testing.assert_allclose(executor(TOUCH).get("approach_direction"), -PLAN.n_WT)
+
+
+def test_a_touch_is_driven_by_the_follower_until_it_is_missed():
+    leaf = executor(TOUCH, GO)
+    assert leaf.get("follow")[0] == 1.0
+    assert leaf.get("touch_plan") is PLAN
+    leaf.advance(3.0)
+    assert leaf.get("progress").leg == "touch"  # Its duration does not end it.
+    beyond = place(0.13)
+    at(leaf, beyond).fix(missed=1.0).advance(2 * PERIOD_S)
+    assert leaf.get("progress").done == 1  # The legs that follow are left out.
+    assert not leaf.get("progress").felt
+    assert leaf.get("follow")[0] == 0.0
+    np.testing.assert_allclose(target(leaf), beyond)
+
+
+def test_a_touch_ends_at_its_contact():
+    leaf = executor(TOUCH)
+    leaf.advance(0.3)
+    leaf.fix(contact=1.0).advance(2 * PERIOD_S)
+    assert leaf.get("progress").done == 1
+    assert leaf.get("progress").felt
+
+
+def test_a_rise_goes_up_from_where_the_hand_is():
+    start = place(0.07, -0.02, 1.2)
+    leaf = executor(Leg("lift", HOME, CLOSED, 0.4, rise_m=0.15), hand_pose=RigidTransform(start))
+    leaf.advance(0.39)
+    np.testing.assert_allclose(target(leaf)[:2, 3], start[:2, 3], atol=1e-12)
+    assert target(leaf)[2, 3] == pytest.approx(1.35, abs=1e-3)
+    at(leaf, place(0.07, -0.02, 1.35)).advance(0.05)
+    assert leaf.get("progress").done == 1
+
+
+@pytest.mark.parametrize("caching", [True, False])
+def test_a_closing_hand_follows_the_measured_travel(caching):
+    leg = Leg("close", HOME, CLOSED, 0.5, closing="collect")
+    leaf = executor(leg, motor_fraction=[0.2, 0.1], caching=caching)
+    np.testing.assert_allclose(target(leaf), HOME, atol=1e-12)
+    leaf.fix(motor_fraction=[0.6, 0.3])
+    start, now = (closing_offset(HAND, "collect", np.array(f)) for f in ([0.2, 0.1], [0.6, 0.3]))
+    expected = HOME @ np.linalg.inv(start) @ now
+    np.testing.assert_allclose(target(leaf), expected, atol=1e-12)
+    assert np.abs(expected - HOME).max() > 0.005
+    leaf.advance(0.3)  # Time alone moves the motors, not the hand.
+    np.testing.assert_allclose(target(leaf), expected, atol=1e-12)
+
+
+def test_a_new_id_starts_a_new_program_from_here_without_a_jump():
+    leaf = executor(GO)
+    leaf.advance(0.2)
+    here, motors = place(0.03, 0.02, 1.02), leaf.get("motor_command")
+    again = MotionProgram(2, (Leg("back", HOME, OPEN, 0.5),))
+    at(leaf, here).fix(program=again).advance(PERIOD_S)
+    assert leaf.get("progress").leg == "back"
+    np.testing.assert_allclose(target(leaf), here, atol=1e-4)
+    np.testing.assert_allclose(leaf.get("motor_command"), motors, atol=0.03)
+
+
+def test_the_same_id_does_not_start_a_program_again():
+    leaf = at(executor(GO), THERE)
+    leaf.advance(0.6)
+    leaf.fix(program=MotionProgram(1, (GUARDED,))).advance(0.1)
+    assert leaf.get("progress").done == 1
+    assert leaf.get("progress").leg == ""
+
+
+def test_an_empty_program_is_done_at_once_and_stops_the_hand_here():
+    leaf = executor(GO)
+    leaf.advance(0.2)
+    here = place(0.03, 0.02, 1.02)
+    at(leaf, here).fix(program=MotionProgram(2)).advance(2 * PERIOD_S)
+    assert leaf.get("progress").done == 2
+    np.testing.assert_array_equal(target(leaf), here)
+
+
+def test_two_contexts_do_not_touch_each_other():
+    leaf = executor(GO)
+    other = Leaf(
+        leaf.system,
+        program=MotionProgram(),
+        hand_pose=RigidTransform(HOME),
+        motor_fraction=OPEN,
+        contact=0.0,
+        force=np.zeros(3),
+        missed=0.0,
+    )
+    other.advance(0.2)
+    leaf.advance(0.2)
+    assert leaf.get("progress").leg == "go"
+    assert other.get("progress").leg == ""
+    np.testing.assert_array_equal(target(other), HOME)
