@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 import trimesh
@@ -51,7 +53,7 @@ def test_link_clearances_are_those_of_spheres_and_box(hand, scene):
         p = centers @ X_WH[:3, :3].T + X_WH[:3, 3]
         gaps = box_distance(p) - radii
         first = hand.arrays.first_sphere
-        for link, (start, stop) in enumerate(zip(first[:-1], first[1:], strict=True)):
+        for link, (start, stop) in enumerate(itertools.pairwise(first)):
             exact = gaps[start:stop].min()
             if exact < 0.02:  # Farther off the grid only bounds it from below.
                 assert links[link] == pytest.approx(exact, abs=GRID_M / 2)

@@ -47,11 +47,11 @@ def assert_mirror_images(sdf):
             np.testing.assert_allclose(Y.translation(), M @ X.translation(), atol=1e-9)
             R = X.rotation().matrix()
             np.testing.assert_allclose(Y.rotation().matrix(), M @ R @ M, atol=1e-9)
-            I, J = (body.default_spatial_inertia() for body in (ours, other))
-            np.testing.assert_allclose(J.get_com(), M @ I.get_com(), atol=1e-12)
+            right_I, left_I = (body.default_spatial_inertia() for body in (ours, other))
+            np.testing.assert_allclose(left_I.get_com(), M @ right_I.get_com(), atol=1e-12)
             np.testing.assert_allclose(
-                J.CalcRotationalInertia().CopyToFullMatrix3(),
-                M @ I.CalcRotationalInertia().CopyToFullMatrix3() @ M,
+                left_I.CalcRotationalInertia().CopyToFullMatrix3(),
+                M @ right_I.CalcRotationalInertia().CopyToFullMatrix3() @ M,
                 atol=1e-12,
             )
 

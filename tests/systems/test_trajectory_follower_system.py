@@ -126,10 +126,11 @@ def test_unconnected_ports_are_named():
 def test_the_orientation_at_the_start_is_remembered_while_the_fingertip_turns():
     system = TrajectoryFollower(SETTINGS)
     simulator = Simulator(system)
-    curve = plan().control_points
-    moved_to(system, simulator, position(curve, 0.0))
-    turned = RigidTransform(RollPitchYaw(0.5, -0.4, 0.8), position(curve, 0.5))
     context = simulator.get_mutable_context()
-    fix(system, context, turned)
+    fix(system, context, START)
+    pose = system.GetInputPort("fingertip_pose").FixValue(context, Value(START))
+    simulator.AdvanceTo(0.02)
+    turned = RigidTransform(RollPitchYaw(0.5, -0.4, 0.8), position(plan().control_points, 0.5))
+    pose.GetMutableData().set_value(turned)  # In place, as the cache of a source does.
     expected = follow(plan(), START.rotation(), turned, tau_from=0.0, settings=SETTINGS)
     np.testing.assert_allclose(outputs(system, context)[0], expected.V_WT, atol=1e-9)
