@@ -284,6 +284,8 @@ class Behaviour(LeafSystem):
         if not self._served(context, "grasp", mind.grasp_request):
             return mind
         candidates: Candidates = self._inputs["candidates"].Eval(context)
+        if len(candidates) == 0:
+            return mind.giving_up("no grasp was found on the estimated surface")
         ranking = self._inputs["ranking"].Eval(context)
         scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
         q = self._inputs["joint_state"].Eval(context)[:8]

@@ -25,7 +25,7 @@ class TouchMotionSettings:
     standoff_m: float = 0.05  # from where the guarded approach starts
     beyond_m: float = 0.04  # behind the estimate, until which the finger searches
     table_clearance_m: float = 0.004
-    least_pad_height_m: float = 0.0195  # of the pad over the table; the tip reaches below it
+    least_pad_height_m: float = 0.021  # of the pad over the table; the tip reaches below it
     palm_clearance_m: float = 0.006  # of links that shall not touch, at the contact
     tip_clearance_m: float = -0.004  # of the other fingertips, at the contact
     travel_clearance_m: float = 0.012  # before the approach
@@ -84,8 +84,10 @@ def touching_poses(
     plan: TouchPlan, X_HT: Array, up: Array, settings: TouchMotionSettings
 ) -> Iterator[Array]:
     """Hand poses X_WH (4, 4) that put the pad flat on the target, one a roll."""
-    down = -up - (-up @ plan.n_WT) * plan.n_WT
-    down /= max(float(np.linalg.norm(down)), 1e-9)
+    down = _tangent(-up, plan.n_WT)
+    if np.linalg.norm(down) < 1e-6:  # From straight above: rolls count from forwards instead.
+        down = _tangent(np.array([1.0, 0.0, 0.0]), plan.n_WT)
+    down /= np.linalg.norm(down)
     side = np.cross(plan.n_WT, down)
     for roll in np.deg2rad(settings.rolls_deg):
         x = np.cos(roll) * down + np.sin(roll) * side
@@ -93,6 +95,11 @@ def touching_poses(
         X_WT[:3, :3] = np.column_stack([x, np.cross(-plan.n_WT, x), -plan.n_WT])
         X_WT[:3, 3] = plan.p_WT
         yield X_WT @ np.linalg.inv(X_HT)
+
+
+def _tangent(v: Array, n: Array) -> Array:
+    """The part of v (3,) that is perpendicular to a unit vector n (3,)."""
+    return v - (v @ n) * n
 
 
 def find_touch(

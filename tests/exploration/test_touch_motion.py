@@ -1,0 +1,130 @@
+import dataclasses as dc
+
+import numpy as np
+import pytest
+from scenery import (
+    CAN,
+    TABLE,
+    can_scene,
+    right_arm,
+    right_hand,
+    touch_of_the_can,
+)
+
+from vh_drake.control.reach import rollout
+from vh_drake.exploration.touch_motion import (
+    TouchMotionSettings,
+    find_touch,
+    fingertip_frame,
+    pad_in_hand,
+    pads_in_hand,
+    shifted,
+    touching_poses,
+)
+from vh_drake.hand.clearance import link_clearance
+
+SETTINGS = TouchMotionSettings()
+BACK = touch_of_the_can(0.0)
+
+
+@pytest.fixture(scope="module")
+def motion():
+    arm = right_arm()
+    return find_touch([BACK], can_scene(), right_hand(), arm, arm.home)
+
+
+def plan_towards(n):
+    n = np.asarray(n, float) / np.linalg.norm(n)
+    return dc.replace(BACK, n_WT=n)
+
+
+@pytest.mark.parametrize("n", [(1, 0, 0), (0.3, -0.8, 0.2), (-0.5, 0.1, -0.4), (0, 0, 1)])
+def test_every_roll_puts_the_pad_flat_on_the_target(n):
+    hand, plan = right_hand(), plan_towards(n)
+    p, normal = pad_in_hand(hand)
+    poses = list(touching_poses(plan, fingertip_frame(hand), TABLE.normal, SETTINGS))
+    assert len(poses) == len(SETTINGS.rolls_deg)
+    for X_WH in poses:
+        R = X_WH[:3, :3]
+        np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-9)
+        assert np.linalg.det(R) == pytest.approx(1.0)
+        np.testing.assert_allclose(R @ p + X_WH[:3, 3], plan.p_WT, atol=1e-9)
+        np.testing.assert_allclose(R @ normal, -plan.n_WT, atol=1e-9)
+
+
+def test_rolls_turn_the_hand_about_the_normal_by_their_angles():
+    hand = right_hand()
+    poses = list(touching_poses(BACK, fingertip_frame(hand), TABLE.normal, SETTINGS))
+    for roll, X_WH in zip(SETTINGS.rolls_deg, poses, strict=True):
+        turn = X_WH[:3, :3] @ poses[0][:3, :3].T
+        assert np.rad2deg(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(abs(roll))
+        np.testing.assert_allclose(turn @ BACK.n_WT, BACK.n_WT, atol=1e-12)
+
+
+def test_the_fingertip_frame_points_out_of_the_pad_that_reaches_farthest():
+    hand = right_hand()
+    X_HT, (pads, normals) = fingertip_frame(hand), pads_in_hand(hand)
+    along = pads @ np.asarray(hand.description.along)
+    np.testing.assert_allclose(X_HT[:3, 3], pads[np.argmax(along)])
+    np.testing.assert_allclose(X_HT[:3, 2], normals[np.argmax(along)])
+    np.testing.assert_allclose(X_HT[:3, :3].T @ X_HT[:3, :3], np.eye(3), atol=1e-12)
+    assert len(pads) == 4  # The thumb is left out.
+
+
+def test_the_touch_starts_off_the_target_and_ends_on_it(motion):
+    curve, n = motion.plan.control_points, motion.plan.n_WT
+    np.testing.assert_allclose(curve[0], motion.plan.p_WT + SETTINGS.standoff_m * n, atol=1e-9)
+    np.testing.assert_allclose(curve[3], motion.plan.p_WT, atol=1e-9)
+    settle, feel = motion.legs[-2:]
+    assert feel.guarded
+    assert feel.touch is motion.plan
+    np.testing.assert_allclose(
+        feel.X_WH, shifted(settle.X_WH, -SETTINGS.standoff_m * n), atol=1e-12
+    )
+
+
+def test_only_the_touch_itself_brings_the_hand_near_the_object(motion):
+    hand, scene = right_hand(), can_scene()
+    for leg in motion.legs[:-1]:
+        links, table = link_clearance(hand, leg.X_WH, scene)
+        assert links.min() >= SETTINGS.travel_clearance_m
+        assert table >= SETTINGS.table_clearance_m
+
+
+def test_the_arm_follows_the_legs_and_the_retreat(motion):
+    arm = right_arm()
+    way = [leg.X_WH for leg in (*motion.legs[:-1], *motion.retreat)]
+    assert rollout(arm, arm.home, way).reached
+
+
+def test_the_hand_travels_over_the_object_and_not_through_it(motion):
+    raised, over, before = motion.legs[:3]
+    assert raised.X_WH[2, 3] == pytest.approx(over.X_WH[2, 3])
+    np.testing.assert_allclose(over.X_WH[:2, 3], before.X_WH[:2, 3], atol=1e-12)
+    lowest = link_clearance(right_hand(), over.X_WH, can_scene())[1]
+    assert lowest >= can_scene().top_m + SETTINGS.safe_height_m - 1e-9
+
+
+def test_low_and_undercut_places_are_approached_level():
+    low = touch_of_the_can(0.0, height_m=0.905)
+    under = dc.replace(low, n_WT=np.array([0.8, 0.0, -0.6]))
+    arm = right_arm()
+    for plan in (low, under):
+        found = find_touch([plan], can_scene(), right_hand(), arm, arm.home).plan
+        assert found.n_WT[2] == pytest.approx(0.0, abs=1e-12)
+        assert TABLE.height(found.p_WT) == pytest.approx(SETTINGS.least_pad_height_m)
+
+
+def test_the_first_feasible_plan_is_taken():
+    far = dc.replace(BACK, p_WT=BACK.p_WT + np.array([2.0, 0.0, 0.0]))
+    arm = right_arm()
+    found = find_touch([far, BACK], can_scene(), right_hand(), arm, arm.home)
+    np.testing.assert_allclose(found.plan.p_WT, BACK.p_WT)
+    assert find_touch([far], can_scene(), right_hand(), arm, arm.home) is None
+    assert find_touch([], can_scene(), right_hand(), arm, arm.home) is None
+
+
+def test_a_touch_inside_the_object_is_refused():
+    inside = dc.replace(BACK, p_WT=CAN.copy())
+    arm = right_arm()
+    assert find_touch([inside], can_scene(), right_hand(), arm, arm.home) is None

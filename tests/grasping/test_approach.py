@@ -1,0 +1,107 @@
+import dataclasses as dc
+
+import numpy as np
+import pytest
+from scenery import can_scene, can_surface, can_view, right_arm, right_hand
+
+from vh_drake.control.reach import rollout
+from vh_drake.grasping.approach import GraspMotionSettings, approach_poses, find_grasp
+from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
+from vh_drake.hand.clearance import link_clearance
+from vh_drake.types import Candidates
+
+SETTINGS = GraspMotionSettings()
+
+
+@pytest.fixture(scope="module")
+def side_grasps():
+    settings = PlannerSettings(candidates=20, draws=100)
+    return plan_candidates(can_surface(), can_view().table, right_hand(), settings, 0)
+
+
+def found(candidates, ranking):
+    arm = right_arm()
+    return find_grasp(candidates, ranking, can_scene(), right_hand(), arm, arm.home)
+
+
+def with_motion(candidates, motion):
+    return dc.replace(candidates, motion=(motion,) * len(candidates))
+
+
+def test_the_first_of_the_ranking_in_reach_is_taken(side_grasps):
+    index, _ = found(side_grasps, range(len(side_grasps)))
+    ranking = [len(side_grasps) - 1 - i for i in range(len(side_grasps))]
+    other, _ = found(side_grasps, ranking)
+    for i in range(index):
+        assert found(side_grasps, [i]) is None
+    for i in ranking[: ranking.index(other)]:
+        assert found(side_grasps, [i]) is None
+
+
+def test_no_ranking_and_no_reach_give_no_grasp(side_grasps):
+    away = side_grasps.X_WH.copy()
+    away[:, 0, 3] += 3.0
+    far = Candidates(away, side_grasps.motion, side_grasps.planner)
+    assert found(side_grasps, []) is None
+    assert found(far, range(len(far))) is None
+
+
+def test_a_side_grasp_comes_along_the_palm_s_direction(side_grasps):
+    hand, X_WH = right_hand(), side_grasps.X_WH[0]
+    now = right_arm().pose(right_arm().home)
+    *_, beside, last = approach_poses(X_WH, "side", can_scene(), hand, now, SETTINGS)
+    np.testing.assert_array_equal(last, X_WH)
+    np.testing.assert_allclose(beside[:3, :3], X_WH[:3, :3])
+    palm = X_WH[:3, :3] @ np.asarray(hand.description.palm)
+    way = last[:3, 3] - beside[:3, 3]
+    np.testing.assert_allclose(way, SETTINGS.standoff_m * palm, atol=1e-12)
+
+
+@pytest.mark.parametrize("motion", ["side", "collect"])
+def test_the_hand_travels_level_and_over_the_object(side_grasps, motion):
+    hand, scene, X_WH = right_hand(), can_scene(), side_grasps.X_WH[0]
+    now = right_arm().pose(right_arm().home)
+    raised, over, *_ = approach_poses(X_WH, motion, scene, hand, now, SETTINGS)
+    assert raised[2, 3] == pytest.approx(over[2, 3])
+    assert raised[2, 3] >= now[2, 3] - 1e-12
+    np.testing.assert_allclose(raised[:2, 3], now[:2, 3])
+    lowest = link_clearance(hand, over, scene)[1]
+    assert lowest >= scene.top_m + SETTINGS.safe_height_m - 1e-9
+
+
+def test_legs_close_only_after_the_guarded_approach_and_then_lift(side_grasps):
+    index, legs = found(side_grasps, range(len(side_grasps)))
+    names = [leg.name for leg in legs]
+    assert names[-5:] == ["approach", "close", "squeeze", "lift", "hold"]
+    guarded = [leg.name for leg in legs if leg.guarded]
+    assert guarded == ["approach"]
+    approach = legs[names.index("approach")]
+    assert approach.guard_n == SETTINGS.guard_n
+    np.testing.assert_array_equal(approach.X_WH, side_grasps.X_WH[index])
+    for leg in legs[: names.index("close")]:
+        np.testing.assert_array_equal(leg.motors, 0.0)
+    for leg in legs[names.index("close") :]:
+        np.testing.assert_array_equal(leg.motors, 1.0)
+    lift, hold = legs[-2:]
+    assert (lift.rise_m, hold.rise_m) == (SETTINGS.lift_m, 0.0)
+    assert hold.duration_s > 3.0
+
+
+def test_a_collecting_grasp_gathers_first(side_grasps):
+    collect = with_motion(side_grasps, "collect")
+    grasp = found(collect, range(len(collect)))
+    assert grasp is not None
+    legs = {leg.name: leg for leg in grasp[1]}
+    assert "down beside the object" not in legs
+    half = right_hand().motor_fractions(SETTINGS.gather_fingers, SETTINGS.gather_thumb)
+    np.testing.assert_array_equal(legs["gather"].motors, half)
+    assert all(legs[name].closing == "collect" for name in ("gather", "close", "squeeze"))
+
+
+def test_the_arm_follows_the_approach_and_the_lift(side_grasps):
+    arm = right_arm()
+    _, legs = found(side_grasps, range(len(side_grasps)))
+    way = [leg.X_WH for leg in legs if not leg.closing and leg.rise_m is None]
+    lifted = way[-1].copy()
+    lifted[2, 3] += SETTINGS.lift_m
+    assert rollout(arm, arm.home, [*way, lifted]).reached
