@@ -42,6 +42,7 @@ def run(monkeypatch, *arguments):
     return 0
 
 
+@pytest.mark.slow
 def test_the_command_writes_and_prints_the_same_plan_each_time(monkeypatch, capsys, files, folder):
     first, second = folder / "first", folder / "second"
     assert run(monkeypatch, files["cloud"], "--top", 3, "--out", first, "--json") == 0

@@ -81,6 +81,11 @@ def test_a_camera_below_the_table_is_refused(cloud):
         plan_grasps(Cloud(cloud.p_WC))
 
 
+def test_a_cloud_in_millimetres_is_refused(cloud):
+    with pytest.raises(BadInput, match="are they in millimetres"):
+        plan_grasps(Cloud(1000.0 * cloud.p_WC, 1000.0 * cloud.p_WCamera))
+
+
 def test_far_points_do_not_widen_the_search_without_bound(cloud):
     p = np.vstack([cloud.p_WC, [[900.0, -900.0, 900.0]]])
     settings = widened_workspace(Cloud(p, cloud.p_WCamera))

@@ -26,6 +26,7 @@ from vh_drake.types import (
 )
 
 _REACH_M = 1.0  # Points farther from the middle of the cloud are not searched
+_LARGEST_SPREAD_M = 20.0  # Of most of the points
 _LEAST_CAMERA_HEIGHT_M = 0.02  # Over the table
 
 
@@ -88,10 +89,16 @@ def widened_workspace(cloud: Cloud, seed: int = 0) -> SegmentationSettings:
     """Settings that search a user's whole cloud, up to 1 m about its middle.
 
     Raises:
-        BadInput: the cloud is empty.
+        BadInput: the cloud is empty, or larger than any room.
     """
     if len(cloud.p_WC) == 0:
         raise BadInput("the cloud holds no points")
+    spread = float(np.ptp(np.quantile(cloud.p_WC, [0.1, 0.9], axis=0), axis=0).max())
+    if spread > _LARGEST_SPREAD_M:
+        raise BadInput(
+            f"the middle 80 % of the points are spread over {spread:.4g} m; are they in "
+            "millimetres? Scale them to metres"
+        )
     middle = np.median(cloud.p_WC, axis=0)
     margin = 0.05  # The object may reach the last point.
     low = np.maximum(cloud.p_WC.min(axis=0) - margin, middle - _REACH_M)
