@@ -67,7 +67,12 @@ def screenshot(
             f"--screenshot={picture}",
             url,
         ]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S)
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S)
+        except subprocess.TimeoutExpired as error:
+            raise VhDrakeError(
+                f"{url} gave no picture within {LIMIT_S:g} s; lower budget_s ({budget_s:g})"
+            ) from error
     if not picture.is_file():
         raise VhDrakeError(f"{url} gave no picture: {done.stderr[-2000:]}")
     return picture
