@@ -1,7 +1,6 @@
 """The command `vh-drake plan`: a user's own depth data in, rated grasps and a picture out."""
 
 import dataclasses as dc
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from vh_drake.atomic_files import write_bytes
 from vh_drake.errors import BadInput
+from vh_drake.experiments.files import write_json
 from vh_drake.experiments.grasp_picture import draw_grasps
 from vh_drake.experiments.plan_grasps import GraspPlan, plan_grasps
 from vh_drake.hand.description import load_hand
@@ -67,8 +67,8 @@ def plan_from_files(request: PlanRequest, out: Path) -> dict[str, Any]:
         },
         **plan_report(plan, request.top),
     }
-    write_bytes(out / "plan.json", _json(report))
-    write_bytes(out / "timing.json", _json({"seconds": plan.seconds}))
+    write_json(out / "plan.json", report)
+    write_json(out / "timing.json", {"seconds": plan.seconds})
     write_bytes(out / "grasps.png", draw_grasps(plan, loaded.cloud))
     return report
 
@@ -142,7 +142,3 @@ def _settings(request: PlanRequest) -> dict[str, Any]:
 def _rounded(values: Array) -> object:
     """Plain numbers or nested lists."""
     return np.round(values, _DIGITS).tolist()
-
-
-def _json(content: dict[str, Any]) -> bytes:
-    return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
