@@ -1,0 +1,61 @@
+import re
+
+import numpy as np
+import pytest
+
+from vh_drake.exploration.touch_motion import pad_in_hand
+from vh_drake.hand.description import load_hand
+from vh_drake.hand.model import read_hand_model
+from vh_drake.scenes.decision import INPUTS, Decision, make_decision, touching_skin
+from vh_drake.scenes.plant import default_hand
+from vh_drake.scenes.scenario import Scenario
+
+# What a real ARMAR-6 measures or computes from it.
+SENSED = {
+    "cloud",
+    "wrist_wrench",
+    "hand_pose",
+    "hand_velocity",
+    "commanded_pose",
+    "commanded_state",
+    "motor_fraction",
+}
+
+
+@pytest.fixture(scope="module")
+def decision():
+    return make_decision(Scenario())
+
+
+def names(ports):
+    return [port.get_name() for port in ports]
+
+
+def inputs_of(system):
+    return [system.get_input_port(i) for i in range(system.num_input_ports())]
+
+
+def outputs_of(system):
+    return [system.get_output_port(i) for i in range(system.num_output_ports())]
+
+
+def test_the_decision_sees_what_a_robot_senses_and_nothing_else(decision):
+    assert set(names(inputs_of(decision))) <= SENSED
+    assert {name for name, _, _ in INPUTS} == set(names(inputs_of(decision)))
+
+
+def test_ports_are_those_of_the_documentation(decision):
+    documented = re.findall(r"^\s*\| (\w+)\s*\| (in|out)\b", Decision.__doc__, re.MULTILINE)
+    found = [(name, "in") for name in names(inputs_of(decision))]
+    found += [(name, "out") for name in names(outputs_of(decision))]
+    assert sorted(documented) == sorted(found)
+
+
+def test_the_touching_finger_s_pad_comes_first():
+    hand = read_hand_model(load_hand(default_hand()))
+    skin = touching_skin(hand)
+    p, n = pad_in_hand(hand)
+    gaps = np.linalg.norm(skin.p_H - p, axis=1)
+    own = len(gaps) // 4  # Four fingers have pads of as many points.
+    assert gaps[:own].max() < gaps[own:].min()
+    assert (skin.n_H[:own] @ n > 0.9).all()
