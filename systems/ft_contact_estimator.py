@@ -1,5 +1,6 @@
 """Contact estimation from the wrist's force-torque sensor as a LeafSystem."""
 
+import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
@@ -75,7 +76,8 @@ class FtContactEstimator(LeafSystem):
         self.DeclareVectorOutputPort("force", 3, self._calc_force, prerequisites_of_calc=after)
 
     def _state(self, context: Context) -> FtState:
-        return FtState.from_vector(context.get_discrete_state_vector().value())
+        # A copy: what goes out must not change with the state.
+        return FtState.from_vector(np.array(context.get_discrete_state_vector().value()))
 
     def _update(self, context: Context, values: DiscreteValues) -> None:
         X_WH = self._pose.Eval(context)

@@ -100,3 +100,18 @@ def test_a_reading_that_is_not_finite_is_passed_over():
     contact, _, force = outputs(system, context)
     assert contact == 0.0
     assert np.isfinite(force).all()
+
+
+def test_a_felt_contact_does_not_change_with_the_estimator_s_state():
+    system = FtContactEstimator(SKIN)
+    simulator, context = started(system)
+    fix(system, context, push=1.0, tare=1.0)
+    simulator.AdvanceTo(0.3)
+    points = outputs(system, context)[1]
+    felt = points.p_WC.copy()
+    fix(system, context, tare=1.0)
+    simulator.AdvanceTo(0.5)
+    fix(system, context, tare=2.0)  # Forgets the contact.
+    simulator.AdvanceTo(0.6)
+    assert outputs(system, context)[0] == 0.0
+    np.testing.assert_array_equal(points.p_WC, felt)
