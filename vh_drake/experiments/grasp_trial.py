@@ -136,9 +136,7 @@ def run_trial(
     watch = _Watch(stages={"build": [time.perf_counter() - start, 0.0]})
     story, advancing = _run(trial, simulator, judge, watch, on_phase)
     wall = time.perf_counter() - start
-    done = TrialResult(
-        _result(trial, story, watch), _timing(watch, wall, simulator, advancing)
-    )
+    done = TrialResult(_result(trial, story, watch), _timing(watch, wall, simulator, advancing))
     if out is not None:
         write_json(out / "result.json", done.result)
         write_json(out / "timing.json", done.timing)
