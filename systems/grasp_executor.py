@@ -13,6 +13,7 @@ from vh_drake.hand.program import Leg, MotionProgram, Progress, interpolate, smo
 from vh_drake.types import Array, Immutable, TouchPlan
 
 PERIOD_S = 0.01
+STALL = 0.03  # share of its travel by which a stalled motor lags behind its command
 SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.004, 0.03, 2.0
 
 
@@ -26,6 +27,7 @@ class _Run(Immutable):
     X_WH0: Array = dc.field(default_factory=lambda: np.eye(4))  # at the leg's start
     motors0: Array = dc.field(default_factory=lambda: np.zeros(0))
     offset0: Array = dc.field(default_factory=lambda: np.eye(4))  # closing offset there
+    held: Array | None = None  # hand pose since the motors stalled in a closing leg
     tare: int = 0
     done: int = 0
     felt: bool = False
@@ -86,6 +88,10 @@ class GraspExecutor(LeafSystem):
     | follow             | out       | vector (1)     | -    | 1: the trajectory follower drives   |
     | touch_plan         | out       | TouchPlan      | m    | the curve for it                    |
     | progress           | out       | Progress       | -    | last program ended, leg, felt       |
+
+    In a closing leg the hand follows the fingers' measured travel until a motor stalls: from
+    then on the fingers are not where their motors say, and the hand stands still, or it would
+    press the object into the table.
 
     A leg ends when its time is over and the hand has arrived (or is late by 2 s), a guarded
     leg also at a contact. A program whose touch curve was missed ends.
@@ -149,6 +155,8 @@ class GraspExecutor(LeafSystem):
             run = self._begin(context, dc.replace(run, program=program, leg=0, motors0=motors))
         elif (ended := self._ended(context, run)) is not None:
             run = self._next(context, run, felt=ended)
+        elif self._stalls(context, run):
+            run = dc.replace(run, held=self._closing_pose(context, run))
         else:
             return
         state.get_mutable_abstract_state(0).set_value(run)
@@ -168,6 +176,7 @@ class GraspExecutor(LeafSystem):
             since_s=context.get_time(),
             X_WH0=X_WH0,
             offset0=offset,
+            held=run.held if leg.closing else None,
             tare=run.tare + leg.guarded,
         )
 
@@ -221,14 +230,29 @@ class GraspExecutor(LeafSystem):
         share = min(max(self._share(context, run, leg), 0.0), 1.0)
         return (1.0 - share) * run.motors0 + share * leg.motors
 
+    def _stalls(self, context: Context, run: _Run) -> bool:
+        """Whether an object stops a motor of a closing hand for the first time."""
+        leg = run.current
+        if leg is None or not leg.closing or run.held is not None:
+            return False
+        lag = self._motors(context, run) - self._fraction.Eval(context)
+        return bool(lag.max() > STALL)
+
+    def _closing_pose(self, context: Context, run: _Run) -> Array:
+        """The hand pose (4, 4) that goes with the fingers' measured travel."""
+        leg = run.current
+        assert leg is not None
+        now = closing_offset(self._hand, leg.closing, self._fraction.Eval(context))
+        X_WH: Array = run.X_WH0 @ np.linalg.inv(run.offset0) @ now
+        return X_WH
+
     def _calc_target(self, context: Context, output: Value) -> None:
         run = self._run(context)
         leg = run.current
         if leg is None:
             X_WH = run.X_WH0
         elif leg.closing:
-            now = closing_offset(self._hand, leg.closing, self._fraction.Eval(context))
-            X_WH = run.X_WH0 @ np.linalg.inv(run.offset0) @ now
+            X_WH = self._closing_pose(context, run) if run.held is None else run.held
         else:
             share = self._share(context, run, leg)
             share = min(max(share, 0.0), 1.0) if leg.guarded else smooth(share)
