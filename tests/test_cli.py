@@ -7,6 +7,7 @@ import pytest
 
 from vh_drake import cli
 from vh_drake.errors import BadInput, NothingSeen, UnknownName
+from vh_drake.experiments import grasp_command
 from vh_drake.scenes import doctor
 from vh_drake.scenes.doctor import Check
 
@@ -114,3 +115,15 @@ def test_the_objects_of_a_folder_are_listed(monkeypatch, capsys, tmp_path):
 def test_a_missing_folder_of_objects_gives_status_2(monkeypatch, capsys, tmp_path):
     assert run(monkeypatch, "objects", "--objects", str(tmp_path / "nowhere")) == 2
     assert "nowhere" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("arguments", "seed"), [((), 7), (("--seed", "3"), 3)])
+def test_the_seed_of_a_scenario_holds_unless_one_is_given(monkeypatch, tmp_path, arguments, seed):
+    file = tmp_path / "mine.yaml"
+    file.write_text("seed: 7\nobject: can\n")
+    ran = []
+    monkeypatch.setattr(
+        grasp_command, "grasp_and_report", lambda scenario, *_, **__: ran.append(scenario) or True
+    )
+    assert run(monkeypatch, "grasp", "--scenario", str(file), *arguments) == 0
+    assert (ran[0].seed, ran[0].object) == (seed, "can")

@@ -34,6 +34,10 @@ JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the result alone, as JSON, on standard output.")
 ]
 
+HandOption = Annotated[
+    str, typer.Option(metavar="NAME|FILE", help="armar6_right, or a hand's description.")
+]
+
 
 def main() -> None:
     """Runs the command line; ends the process with the status of what happened."""
@@ -143,11 +147,13 @@ def grasp(
     object_: Annotated[
         str, typer.Argument(metavar="[OBJECT]", help="A name of the library, or a mesh file.")
     ] = "",
-    seed: Annotated[int, typer.Option(min=0, help="Draws pose and sensor noise.")] = 0,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Draws pose and noise; 0 unless given.")
+    ] = None,
     touches: Annotated[int | None, typer.Option(help="Touches before planning, 0 to 5.")] = None,
     scorer: Annotated[str | None, typer.Option(help="conventional")] = None,
     contact: Annotated[str | None, typer.Option(help="hydroelastic or point")] = None,
-    hand: Annotated[Path | None, typer.Option(metavar="FILE", help="A hand description.")] = None,
+    hand: HandOption = "",
     mass: Annotated[float | None, typer.Option(help="Of the object [kg].")] = None,
     scale: Annotated[float | None, typer.Option(help="Multiplies the mesh's coordinates.")] = None,
     objects_: Annotated[
@@ -171,7 +177,7 @@ def grasp(
         touches=touches,
         scorer=scorer,
         contact=contact,
-        hand=None if hand is None else str(hand),
+        hand=hand or None,
         mass_kg=mass,
         scale=scale,
         objects=None if objects_ is None else str(objects_),
@@ -197,7 +203,7 @@ def plan(
         tuple[float, float, float] | None,
         typer.Option(metavar="X Y Z", help="Where the camera stood [m]."),
     ] = None,
-    hand: Annotated[Path | None, typer.Option(metavar="FILE", help="A hand description.")] = None,
+    hand: HandOption = "",
     seed: Annotated[int, typer.Option(min=0, help="Of every random choice.")] = 0,
     top: Annotated[int, typer.Option(min=1, help="How many grasps are told.")] = 10,
     out: Annotated[Path, typer.Option(metavar="DIR", help="For results.")] = Path("out/plan"),

@@ -29,5 +29,9 @@ class NothingSeen(VhDrakeError):
     """The camera shows no table or no object; the command line exits with status 1."""
 
 
+class TooLarge(VhDrakeError):
+    """A result is larger than it may be; it was not written."""
+
+
 class Unreachable(VhDrakeError):
     """The arm can't take the pose; the command line exits with status 1."""

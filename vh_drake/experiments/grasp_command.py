@@ -8,7 +8,12 @@ from rich.console import Console
 from rich.table import Table
 
 from vh_drake.errors import VhDrakeError
-from vh_drake.experiments.grasp_trial import TrialResult, raise_failure, run_trial
+from vh_drake.experiments.grasp_trial import (
+    TrialResult,
+    load_trial_object,
+    raise_failure,
+    run_trial,
+)
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.scenes.showing import make_meshcat
 
@@ -29,9 +34,11 @@ def grasp_and_report(
         Whether the object was lifted and held.
 
     Raises:
+        BadInput: scenario, object or hand are unusable; nothing was started or written.
         VhDrakeError: no grasp was tried; the files are written all the same.
     """
     console = Console(file=sys.stderr)
+    model = load_trial_object(scenario)
     meshcat = make_meshcat(host or "localhost") if host is not None or record else None
     if meshcat is not None and host is not None:
         console.print(f"watch at {meshcat.web_url()}", highlight=False)
@@ -39,11 +46,13 @@ def grasp_and_report(
     def tell(phase: str, time_s: float) -> None:
         console.print(f"{time_s:7.2f} s  {phase}", highlight=False)
 
-    done = run_trial(scenario, out=out, meshcat=meshcat, record=record, on_phase=tell)
+    done = run_trial(scenario, model, out=out, meshcat=meshcat, record=record, on_phase=tell)
     if as_json:
         print(json.dumps(done.result, indent=2))
     else:
         print_report(done, out, Console())
+    for warning in done.warnings:
+        print(f"vh-drake: warning: {warning}", file=sys.stderr)
     raise_failure(done.result)
     return done.lifted
 

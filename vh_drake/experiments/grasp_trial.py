@@ -11,7 +11,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
-from vh_drake.errors import NothingSeen, Unreachable
+from vh_drake.errors import NothingSeen, TooLarge, Unreachable
 from vh_drake.experiments.files import write_json
 from vh_drake.experiments.judge import (
     Judge,
@@ -21,6 +21,9 @@ from vh_drake.experiments.judge import (
     touch_report,
 )
 from vh_drake.grasping.story import Story
+from vh_drake.hand.description import load_hand
+from vh_drake.hand.model import read_hand_model
+from vh_drake.hand.shipped import hand_file
 from vh_drake.objects.loading import load_object
 from vh_drake.objects.model import ObjectModel
 from vh_drake.scenes.decision import Decision, make_decision
@@ -46,6 +49,7 @@ class TrialResult:
 
     result: dict[str, object]
     timing: dict[str, object]
+    warnings: tuple[str, ...] = ()  # what went wrong beside the trial
 
     @property
     def lifted(self) -> bool:
@@ -82,17 +86,34 @@ class Trial:
     X_WO: RigidTransform
 
 
-def make_trial(scenario: Scenario, *, meshcat: Meshcat | None = None) -> Trial:
-    """Builds the diagram and draws the object's pose.
+def load_trial_object(scenario: Scenario) -> ObjectModel:
+    """The object of a scenario; all that a user may have got wrong shows here, before any effect.
 
     Raises:
         BadInput: scenario, object or hand are unusable.
     """
     check_scenario(scenario)
+    read_hand_model(load_hand(hand_file(scenario.hand)))
     folder = Path(scenario.objects) if scenario.objects else None
-    model = load_object(
+    return load_object(
         scenario.object, mass_kg=scenario.mass_kg, scale=scenario.scale, folder=folder
     )
+
+
+def make_trial(
+    scenario: Scenario, model: ObjectModel | None = None, *, meshcat: Meshcat | None = None
+) -> Trial:
+    """Builds the diagram and draws the object's pose.
+
+    Args:
+        scenario: what is simulated.
+        model: of `load_trial_object`, where that was called before.
+        meshcat: where to show it.
+
+    Raises:
+        BadInput: scenario, object or hand are unusable.
+    """
+    model = model or load_trial_object(scenario)
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario, model))
     decision = builder.AddSystem(make_decision(scenario))
@@ -109,6 +130,7 @@ def make_trial(scenario: Scenario, *, meshcat: Meshcat | None = None) -> Trial:
 
 def run_trial(
     scenario: Scenario,
+    model: ObjectModel | None = None,
     *,
     out: Path | None = None,
     meshcat: Meshcat | None = None,
@@ -119,6 +141,7 @@ def run_trial(
 
     Args:
         scenario: what is simulated.
+        model: of `load_trial_object`, where that was called before.
         out: folder for result.json, timing.json and, with `record`, recording.html.
         meshcat: where to show it; needed for a recording.
         record: write a recording.
@@ -128,7 +151,7 @@ def run_trial(
         BadInput: scenario, object or hand are unusable.
     """
     start = time.perf_counter()
-    trial = make_trial(scenario, meshcat=meshcat)
+    trial = make_trial(scenario, model, meshcat=meshcat)
     simulator = Simulator(trial.diagram, trial.context)
     if meshcat is not None and record:
         start_recording(meshcat)
@@ -137,12 +160,23 @@ def run_trial(
     story, advancing = _run(trial, simulator, judge, watch, on_phase)
     wall = time.perf_counter() - start
     done = TrialResult(_result(trial, story, watch), _timing(watch, wall, simulator, advancing))
-    if out is not None:
-        write_json(out / "result.json", done.result)
-        write_json(out / "timing.json", done.timing)
-        if meshcat is not None and record:
-            write_recording(meshcat, out / "recording.html")
-    return done
+    if out is None:
+        return done
+    write_json(out / "result.json", done.result)
+    write_json(out / "timing.json", done.timing)
+    recording = meshcat if record else None
+    return dc.replace(done, warnings=_write_recording(recording, out / "recording.html"))
+
+
+def _write_recording(meshcat: Meshcat | None, path: Path) -> tuple[str, ...]:
+    """A recording that is too large says so and spoils no trial."""
+    if meshcat is None:
+        return ()
+    try:
+        write_recording(meshcat, path)
+    except TooLarge as error:
+        return (str(error),)
+    return ()
 
 
 def _run(

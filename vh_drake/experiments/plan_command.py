@@ -15,7 +15,7 @@ from vh_drake.experiments.grasp_picture import draw_grasps
 from vh_drake.experiments.plan_grasps import GraspPlan, plan_grasps
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
-from vh_drake.scenes.plant import default_hand
+from vh_drake.hand.shipped import hand_file
 from vh_drake.sensing.clouds import load_cloud
 from vh_drake.sensing.contact_files import load_contacts, load_table
 from vh_drake.types import Array
@@ -31,7 +31,7 @@ class PlanRequest:
     contacts: Path | None = None
     table: Path | None = None  # then the cloud holds the object alone
     p_WCamera: tuple[float, float, float] | None = None  # optical centre [m]
-    hand: Path | None = None  # a description; None is the right hand of ARMAR-6
+    hand: str = ""  # a shipped one or a description; empty is the right hand of ARMAR-6
     seed: int = 0
     top: int = 10  # grasps that are reported
 
@@ -50,7 +50,7 @@ def plan_from_files(request: PlanRequest, out: Path) -> dict[str, Any]:
     """
     _check_request(request)
     loaded = load_cloud(request.cloud, _camera(request))
-    hand = read_hand_model(load_hand(request.hand or default_hand()))
+    hand = read_hand_model(load_hand(hand_file(request.hand)))
     plan = plan_grasps(
         loaded.cloud,
         contacts=None if request.contacts is None else load_contacts(request.contacts),

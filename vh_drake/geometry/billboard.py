@@ -6,8 +6,6 @@ import json
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from vh_drake.types import Array
 
@@ -55,6 +53,10 @@ def text_billboard(text: str, *, height_m: float) -> str:
 
 def _picture(text: str) -> tuple[bytes, float]:
     """A PNG of the text on its plate, and its width over its height."""
+    # Loaded where a sign is drawn: it takes longer than all else that a trial imports.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     inches = _PIXELS_HIGH / _DPI
     figure = Figure(figsize=(10.0, inches), dpi=_DPI, facecolor="none")
     canvas = FigureCanvasAgg(figure)

@@ -7,7 +7,7 @@ from vh_drake.exploration.follow import FollowSettings
 from vh_drake.exploration.touch_motion import TouchMotionSettings, fingertip_frame, pads_in_hand
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import HandModel, read_hand_model
-from vh_drake.scenes.plant import default_hand
+from vh_drake.hand.shipped import hand_file
 from vh_drake.scenes.rating import conventional_scorer
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.sensing.contact_point import Skin, pad_skin
@@ -129,7 +129,7 @@ OUTPUTS = (
 def make_decision(scenario: Scenario) -> Decision:
     """The part of the diagram that decides; the same on the robot and in simulation."""
     builder = DiagramBuilder()
-    hand = read_hand_model(load_hand(scenario.hand or default_hand()))
+    hand = read_hand_model(load_hand(hand_file(scenario.hand)))
     systems = {
         name: builder.AddNamedSystem(name, system)
         for name, system in _systems(scenario, hand).items()

@@ -31,10 +31,10 @@ from vh_drake.control.kinematics import (
     arm_joint_names,
     home_configuration,
 )
-from vh_drake.geometry.model_files import models_folder
 from vh_drake.geometry.robot_model import add_armar6
 from vh_drake.hand.description import HandDescription, load_hand
 from vh_drake.hand.mirror import mirrored_sdf
+from vh_drake.hand.shipped import hand_file
 from vh_drake.objects.drake_model import ContactModel, add_object
 from vh_drake.objects.model import ObjectModel
 from vh_drake.scenes.scenario import Scenario, Table
@@ -75,7 +75,7 @@ def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
     robot = _add_robot(plant, left_hand=scenario.left_hand)
-    description = load_hand(scenario.hand or default_hand())
+    description = load_hand(hand_file(scenario.hand))
     hand, wrist = _add_hand(plant, description)
     left_hand = _add_left_hand(plant, description) if scenario.left_hand else None
     add_table(plant, scenario.table)
@@ -90,7 +90,7 @@ def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -
 
 def default_hand() -> Path:
     """The description of the right hand of ARMAR-6."""
-    return models_folder() / "armar6_hand" / "armar6_hand.yaml"
+    return hand_file()
 
 
 def add_table(plant: MultibodyPlant, table: Table) -> None:

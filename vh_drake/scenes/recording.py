@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydrake.geometry import Meshcat
 
-from vh_drake.errors import VhDrakeError
+from vh_drake.errors import TooLarge
 
 FRAMES_PER_S = 20.0
 MOST_BYTES = 25_000_000
@@ -31,14 +31,14 @@ def write_recording(meshcat: Meshcat, path: str | Path) -> Path:
         The path.
 
     Raises:
-        VhDrakeError: the recording is larger than `MOST_BYTES`.
+        TooLarge: the recording is larger than `MOST_BYTES`.
         OSError: the file can't be written.
     """
     meshcat.StopRecording()
     meshcat.PublishRecording()
     page = meshcat.StaticHtml().encode()
     if len(page) > MOST_BYTES:
-        raise VhDrakeError(
+        raise TooLarge(
             f"the recording has {len(page) / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f}; "
             "record a shorter time or fewer frames per second"
         )

@@ -84,7 +84,7 @@ class Scenario:
     # "hydroelastic" or "point".
     contact: str = "hydroelastic"
     time_step_s: float = 0.002
-    # A hand description; empty is the right hand of ARMAR-6.
+    # A shipped hand's name or a description file; empty is the right hand of ARMAR-6.
     hand: str = ""
     # Whether the mirrored articulated hand is on the left arm.
     left_hand: bool = False
