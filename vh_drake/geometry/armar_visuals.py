@@ -38,7 +38,7 @@ def armar_visuals(cache: Path | None = None) -> dict[str, Element]:
     or written, so that a robot can always be shown by its own shapes.
 
     Args:
-        cache: folder of the repaired meshes, by default `cache_folder() / f"armar6-{REPAIR_VERSION}"`.
+        cache: folder of the repaired meshes, by default a new one for each `REPAIR_VERSION`.
     """
     package = find_spec("armar")
     if package is None or package.origin is None:
