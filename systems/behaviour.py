@@ -249,11 +249,19 @@ class Behaviour(LeafSystem):
         plans = [
             plan
             for plan in self._inputs["touch_plans"].Eval(context)
-            if all(np.linalg.norm(plan.p_WT - p) > 0.015 for p in missed)
+            if all(np.linalg.norm(plan.p_WT - p) > 0.025 for p in missed)
         ]
         scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
         q = self._inputs["joint_state"].Eval(context)[:8]
-        touch = find_touch(plans, scene, self._hand, self._kinematics, q, self._settings.touch)
+        touch = find_touch(
+            plans,
+            scene,
+            self._hand,
+            self._kinematics,
+            q,
+            mind.view.p_WCamera,
+            self._settings.touch,
+        )
         if touch is None:  # No hidden place is in reach, so the view must do.
             asked = dc.replace(mind, grasp_request=mind.grasp_request + 1)
             return asked.entering("plan grasps")

@@ -270,7 +270,9 @@ class GraspExecutor(LeafSystem):
         leg = run.current
         direction = np.zeros(3)
         if leg is not None and leg.guarded:
-            way = -leg.touch.n_WT if leg.touch is not None else leg.X_WH[:3, 3] - run.X_WH0[:3, 3]
+            way = leg.X_WH[:3, 3] - run.X_WH0[:3, 3]
+            if leg.touch is not None:
+                way = leg.touch.control_points[3] - leg.touch.control_points[2]
             direction = way / max(float(np.linalg.norm(way)), 1e-9)
         output.SetFromVector(direction)
 

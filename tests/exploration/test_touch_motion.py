@@ -15,22 +15,25 @@ from vh_drake.control.reach import rollout
 from vh_drake.exploration.touch_motion import (
     TouchMotionSettings,
     find_touch,
+    finger_end_frame,
     fingertip_frame,
     pad_in_hand,
     pads_in_hand,
     shifted,
     touching_poses,
 )
+from vh_drake.geometry.signed_distance import interpolate
 from vh_drake.hand.clearance import link_clearance
 
 SETTINGS = TouchMotionSettings()
+CAMERA = np.array([0.21, 0.0, 1.82])
 BACK = touch_of_the_can(0.0)
 
 
 @pytest.fixture(scope="module")
 def motion():
     arm = right_arm()
-    return find_touch([BACK], can_scene(), right_hand(), arm, arm.home)
+    return find_touch([BACK], can_scene(), right_hand(), arm, arm.home, CAMERA)
 
 
 def plan_towards(n):
@@ -77,7 +80,8 @@ def test_the_touch_starts_off_the_target_and_ends_on_it(motion):
     np.testing.assert_allclose(curve[3], motion.plan.p_WT, atol=1e-9)
     settle, feel = motion.legs[-2:]
     assert feel.guarded
-    assert feel.touch is motion.plan
+    np.testing.assert_allclose(feel.touch.p_WT, motion.plan.p_WT, atol=1e-9)
+    np.testing.assert_allclose(feel.touch.n_WT, motion.plan.n_WT, atol=1e-9)
     np.testing.assert_allclose(
         feel.X_WH, shifted(settle.X_WH, -SETTINGS.standoff_m * n), atol=1e-12
     )
@@ -110,21 +114,35 @@ def test_low_and_undercut_places_are_approached_level():
     under = dc.replace(low, n_WT=np.array([0.8, 0.0, -0.6]))
     arm = right_arm()
     for plan in (low, under):
-        found = find_touch([plan], can_scene(), right_hand(), arm, arm.home).plan
-        assert found.n_WT[2] == pytest.approx(0.0, abs=1e-12)
-        assert TABLE.height(found.p_WT) == pytest.approx(SETTINGS.least_pad_height_m)
+        found = find_touch([plan], can_scene(), right_hand(), arm, arm.home, CAMERA)
+        curve = found.plan.control_points
+        assert curve[3, 2] == pytest.approx(curve[0, 2], abs=1e-9)
+        assert SETTINGS.least_height_m - 1e-3 < TABLE.height(found.plan.p_WT) < SETTINGS.low_m
 
 
 def test_the_first_feasible_plan_is_taken():
     far = dc.replace(BACK, p_WT=BACK.p_WT + np.array([2.0, 0.0, 0.0]))
     arm = right_arm()
-    found = find_touch([far, BACK], can_scene(), right_hand(), arm, arm.home)
-    np.testing.assert_allclose(found.plan.p_WT, BACK.p_WT)
-    assert find_touch([far], can_scene(), right_hand(), arm, arm.home) is None
-    assert find_touch([], can_scene(), right_hand(), arm, arm.home) is None
+    found = find_touch([far, BACK], can_scene(), right_hand(), arm, arm.home, CAMERA)
+    np.testing.assert_allclose(found.legs[-1].touch.p_WT, BACK.p_WT)
+    assert find_touch([far], can_scene(), right_hand(), arm, arm.home, CAMERA) is None
+    assert find_touch([], can_scene(), right_hand(), arm, arm.home, CAMERA) is None
 
 
 def test_a_touch_inside_the_object_is_refused():
     inside = dc.replace(BACK, p_WT=CAN.copy())
     arm = right_arm()
-    assert find_touch([inside], can_scene(), right_hand(), arm, arm.home) is None
+    assert find_touch([inside], can_scene(), right_hand(), arm, arm.home, CAMERA) is None
+
+
+def test_the_predicted_touch_lies_on_the_estimate_and_faces_away_from_the_camera(motion):
+    p, n = motion.plan.p_WT, motion.plan.n_WT
+    assert abs(interpolate(can_scene().distance, p[None])[0][0]) < 2e-3
+    assert n @ (CAMERA - p) < 0
+    assert np.linalg.norm(n) == pytest.approx(1.0)
+
+
+def test_the_end_of_the_finger_leads_where_the_finger_leans():
+    pad, end = fingertip_frame(right_hand()), finger_end_frame(right_hand(), np.deg2rad(22.0))
+    assert (end[:3, 3] - pad[:3, 3]) @ end[:3, 2] > 0
+    np.testing.assert_allclose(end[:3, :3].T @ end[:3, :3], np.eye(3), atol=1e-12)

@@ -36,7 +36,7 @@ def rating(hand, table, bar, candidates):
 
 def test_the_score_is_the_product_of_the_factors(hand, table, bar, candidates, rating):
     scores = score_candidates(candidates, bar, table, hand, SETTINGS, 0)
-    product = rating.rate * rating.centered * rating.held * rating.certain
+    product = rating.rate * rating.centered * rating.held * rating.certain * rating.placed
     np.testing.assert_allclose(scores.score, product)
     assert (scores.standard_error <= rating.standard_error).all()
 

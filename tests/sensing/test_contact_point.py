@@ -63,11 +63,11 @@ def test_pad_points_lie_in_the_pad_s_plane_within_its_radius():
     np.testing.assert_allclose(skin.n_H, np.tile(n / np.sqrt(10.0), (len(skin.p_H), 1)))
 
 
-def test_a_strong_force_gives_the_normal_and_a_weak_one_leaves_it_to_the_approach():
+def test_a_strong_force_weighs_half_and_a_weak_one_leaves_the_normal_to_the_approach():
     force, approach = np.array([0.0, 0.0, 1.0]), np.array([2.0, 0.0, 0.0])
     strong = contact_normal(100.0 * force, approach, 0.006)
     weak = contact_normal(1e-4 * force, approach, 0.006)
-    np.testing.assert_allclose(strong, [0, 0, 1], atol=1e-3)
+    np.testing.assert_allclose(strong, np.array([-1, 0, 1]) / np.sqrt(2), atol=1e-3)
     np.testing.assert_allclose(weak, [-1, 0, 0], atol=1e-3)
 
 

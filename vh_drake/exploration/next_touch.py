@@ -114,10 +114,17 @@ def tiers_of(
 
 
 def facing_camera(surface: Surface, view: ObjectView) -> Array:
-    """Cosine n · (direction to the camera) of every vertex (v,); negative faces away."""
+    """Cosine n · (direction to the camera) of every vertex (v,); negative faces away.
+
+    Undercut normals count as level: that is how a finger comes at them, and it meets the
+    object where that is widest.
+    """
+    up = view.table.normal
+    n = surface.normals - np.minimum(surface.normals @ up, 0.0)[:, None] * up
+    n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-9)
     to_camera = view.p_WCamera - surface.vertices
     distance = np.linalg.norm(to_camera, axis=1)
-    facing: Array = np.einsum("ij,ij->i", surface.normals, to_camera) / distance
+    facing: Array = np.einsum("ij,ij->i", n, to_camera) / distance
     return facing
 
 

@@ -12,10 +12,13 @@ import numpy as np
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.reach import rollout
 from vh_drake.exploration.trajectory import approach_curves
+from vh_drake.geometry.signed_distance import interpolate
 from vh_drake.hand.clearance import Obstacles, link_clearance
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, path
 from vh_drake.types import Array, Immutable, TouchPlan
+
+_STEP_M = 0.001
 
 
 @dc.dataclass(frozen=True)
@@ -25,13 +28,21 @@ class TouchMotionSettings:
     standoff_m: float = 0.05  # from where the guarded approach starts
     beyond_m: float = 0.04  # behind the estimate, until which the finger searches
     table_clearance_m: float = 0.004
-    least_pad_height_m: float = 0.021  # of the pad over the table; the tip reaches below it
+    # Below this height the round end of the finger touches, not the pad, which it outreaches.
+    low_m: float = 0.03
+    low_tilt_deg: float = 22.0  # from the pad's normal towards the fingertip
+    least_height_m: float = 0.0132  # of a touch over the table
+    low_share: float = 0.45  # highest low touch, of the object's height
     palm_clearance_m: float = 0.006  # of links that shall not touch, at the contact
     tip_clearance_m: float = -0.004  # of the other fingertips, at the contact
     travel_clearance_m: float = 0.012  # before the approach
     safe_height_m: float = 0.05  # of the lowest finger over the object in transit
     # Of the fingers about the touched normal, from pointing down; tried in this order.
     rolls_deg: tuple[float, ...] = (0, 20, -20, 40, -40, 60, -60, 80, -80, 100, -100)
+    # Cosine between the normal where the hand will first meet the estimate and the direction
+    # to the camera, below which a touch is surely hidden; the least is taken where none is.
+    most_facing_camera: float = -0.42
+    most_compared: int = 200  # feasible touches among which the least is sought
     settle_s: float = 0.4
     least_transit_m: float = 0.24  # lowest transit height of the hand frame over the table
 
@@ -40,7 +51,7 @@ class TouchMotionSettings:
 class TouchMotion(Immutable):
     """A touch that the arm can do."""
 
-    plan: TouchPlan  # its curve starts at the fingertip's standoff
+    plan: TouchPlan  # where the hand will meet the estimate; the curve is the pad's
     legs: tuple[Leg, ...]  # to the touch
     retreat: tuple[Leg, ...]  # and away from it
 
@@ -80,6 +91,22 @@ def fingertip_frame(hand: HandModel) -> Array:
     return X
 
 
+def finger_end_frame(hand: HandModel, tilt_rad: float) -> Array:
+    """X_HE (4, 4): like `fingertip_frame`, on the finger's round end, z tilted towards the tip."""
+    pads = pads_in_hand(hand)[0]
+    fingers = np.flatnonzero(hand.opposing == 0)
+    finger = fingers[np.argmax(pads @ np.asarray(hand.description.along))]
+    centers, radii = hand.spheres(hand.lower)
+    end = hand.tip_spheres[finger]
+    X_HT = fingertip_frame(hand)
+    z = np.cos(tilt_rad) * X_HT[:3, 2] + np.sin(tilt_rad) * X_HT[:3, 0]
+    y = X_HT[:3, 1]
+    X = np.eye(4)
+    X[:3, :3] = np.column_stack([np.cross(y, z), y, z])
+    X[:3, 3] = centers[end] + radii[end] * z
+    return X
+
+
 def touching_poses(
     plan: TouchPlan, X_HT: Array, up: Array, settings: TouchMotionSettings
 ) -> Iterator[Array]:
@@ -108,9 +135,10 @@ def find_touch(
     hand: HandModel,
     kinematics: ArmKinematics,
     q: Array,
+    p_WCamera: Array,
     settings: TouchMotionSettings | None = None,
 ) -> TouchMotion | None:
-    """The first plan, with the first roll, that the arm can do without hitting anything.
+    """The first plan, with the first roll, that the arm can do and that meets a hidden place.
 
     Args:
         plans: best first.
@@ -118,33 +146,80 @@ def find_touch(
         hand: open.
         kinematics: of the arm.
         q: its joint positions now (8,) [rad].
+        p_WCamera: (3,) optical centre that the touched place shall face away from [m].
         settings: distances and postures.
 
     Returns:
         None where no plan is feasible.
     """
     settings = settings or TouchMotionSettings()
-    X_HT = fingertip_frame(hand)
+    X_WH_now, best, least = kinematics.pose(q), None, np.inf
+    for count, (plan, X_WH, contact) in enumerate(_clear_touches(plans, scene, hand, settings)):
+        facing = _cosine(contact[1], p_WCamera - contact[0])
+        if facing >= least:
+            continue
+        pad = fingertip_frame(hand)
+        motion = _motion(plan, X_WH, pad, scene, hand, X_WH_now, settings)
+        if _reaches(kinematics, q, motion, X_WH, plan.n_WT, settings):
+            predicted = dc.replace(motion.plan, p_WT=contact[0], n_WT=contact[1])
+            best, least = dc.replace(motion, plan=predicted), facing
+        if least <= settings.most_facing_camera or (best and count > settings.most_compared):
+            break
+    return best
+
+
+def _clear_touches(
+    plans: Sequence[TouchPlan], scene: Obstacles, hand: HandModel, s: TouchMotionSettings
+) -> Iterator[tuple[TouchPlan, Array, tuple[Array, Array]]]:
+    """Plans as they are approached, hand poses X_WH, and what these will meet first."""
+    pad, end = fingertip_frame(hand), finger_end_frame(hand, np.deg2rad(s.low_tilt_deg))
     for wanted in plans:
-        plan = _levelled(wanted, scene, settings)
-        for X_WH in touching_poses(plan, X_HT, scene.table.normal, settings):
-            if not _is_clear(hand, X_WH, plan.n_WT, scene, settings):
+        low = float(scene.table.height(wanted.p_WT)) < s.low_m
+        plan = _levelled(wanted, scene, s, low=low)
+        for X_WH in touching_poses(plan, end if low else pad, scene.table.normal, s):
+            if not _is_clear(hand, X_WH, plan.n_WT, scene, s):
                 continue
-            motion = _motion(plan, X_WH, X_HT, scene, hand, kinematics.pose(q), settings)
-            if _reaches(kinematics, q, motion, X_WH, plan.n_WT, settings):
-                return motion
+            contact = first_contact(hand, X_WH, plan.n_WT, scene, s)
+            if contact is not None:
+                yield plan, X_WH, contact
+
+
+def first_contact(
+    hand: HandModel, X_WH: Array, n_WT: Array, scene: Obstacles, s: TouchMotionSettings
+) -> tuple[Array, Array] | None:
+    """Where the open hand first meets the estimate on its way against n_WT.
+
+    Returns:
+        Position and outward normal (3,) on the estimate; None where it passes by.
+    """
+    centers, radii = hand.spheres(hand.lower)
+    start = centers @ X_WH[:3, :3].T + X_WH[:3, 3]
+    for way in np.arange(-s.standoff_m, s.beyond_m, _STEP_M):
+        p_WS = start - way * n_WT
+        gaps, gradients = interpolate(scene.distance, p_WS)
+        nearest = int(np.argmin(gaps - radii))
+        if gaps[nearest] < radii[nearest]:
+            normal = gradients[nearest] / max(float(np.linalg.norm(gradients[nearest])), 1e-9)
+            return p_WS[nearest] - gaps[nearest] * normal, normal
     return None
 
 
-def _levelled(plan: TouchPlan, scene: Obstacles, s: TouchMotionSettings) -> TouchPlan:
-    """Low and undercut places are approached level, at the least height of the pad."""
+def _cosine(a: Array, b: Array) -> float:
+    return float(a @ b / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-12))
+
+
+def _levelled(
+    plan: TouchPlan, scene: Obstacles, s: TouchMotionSettings, *, low: bool
+) -> TouchPlan:
+    """Low and undercut places are approached level; low ones as low as a finger reaches."""
     up = scene.table.normal
-    missing = s.least_pad_height_m - float(scene.table.height(plan.p_WT))
     level = plan.n_WT - (plan.n_WT @ up) * up
-    if (missing <= 0 and plan.n_WT @ up >= 0) or np.linalg.norm(level) < 0.3:
+    if (not low and plan.n_WT @ up >= 0) or np.linalg.norm(level) < 0.3:
         return plan
+    height = float(scene.table.height(plan.p_WT))
+    wanted = max(min(height, s.low_share * scene.top_m), s.least_height_m) if low else height
     n_WT = level / np.linalg.norm(level)
-    return dc.replace(plan, p_WT=plan.p_WT + max(missing, 0.0) * up, n_WT=n_WT)
+    return dc.replace(plan, p_WT=plan.p_WT + (wanted - height) * up, n_WT=n_WT)
 
 
 def _is_clear(
@@ -188,13 +263,14 @@ def _motion(
     raised = shifted(X_WH_now, (height - scene.table.height(X_WH_now[:3, 3])) * scene.table.normal)
     over = shifted(above, (height - scene.table.height(above[:3, 3])) * scene.table.normal)
     open_hand = np.zeros(len(hand.description.motors))
-    start = (before @ X_HT)[:3, 3]
-    curve = approach_curves(start, None, plan.p_WT[None], plan.n_WT[None])[0]
+    start, pad = before @ X_HT, X_WH @ X_HT
+    curve = approach_curves(start[:3, 3], None, pad[None, :3, 3], plan.n_WT[None])[0]
     touch = dc.replace(plan, control_points=curve)
+    followed = TouchPlan(pad[:3, 3], -pad[:3, 2], curve, plan.rating)
     names = ["raise the hand", "over to the touch", "down to the touch"]
     legs = path(X_WH_now, [raised, over, before], names, open_hand)
     settle = Leg("settle", before, open_hand, s.settle_s)
-    feel = Leg("feel", X_WH, open_hand, 10.0, guarded=True, touch=touch)
+    feel = Leg("feel", X_WH, open_hand, 10.0, guarded=True, touch=followed)
     away = path(X_WH, [before, over], ["away from the touch", "up"], open_hand)
     return TouchMotion(touch, (*legs, settle, feel), away)
 

@@ -1,8 +1,8 @@
 """The conventional rating of candidates: force-closure rate times physical sense.
 
 A grasp may close well on the estimate and yet fail: because it holds the object far from its
-centre of mass, which lets it tilt; with too few fingers; or on parts of the surface that are
-a guess. Each of these is a factor between 0 and 1, and the score is the product.
+centre of mass, which lets it tilt; with too few fingers; on parts of the surface that are a
+guess; or where the object lies so in the hand that thumb and fingers slip past it. Each of these is a factor between 0 and 1, and the score is the product.
 """
 
 import dataclasses as dc
@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from vh_drake.errors import BadInput
 from vh_drake.grasping.closure_rate import ClosureRates, PerturbationSettings, closure_rates
 from vh_drake.grasping.field import ObjectField, object_field
+from vh_drake.grasping.in_hand import PlaceSettings, well_placed
 from vh_drake.grasping.motions import MOTIONS, CollectSettings, motion_of
 from vh_drake.grasping.wrench_space import ContactSettings
 from vh_drake.hand.model import HandModel
@@ -29,6 +30,7 @@ class ScoringSettings:
     center_scale_m: float = 0.04  # horizontal offset that costs 1 - exp(-1/2)
     enough_fingers: float = 3.0  # beside the thumb
     variance_weight: float = 0.4  # what a grasp on the least certain parts loses at most
+    place: PlaceSettings = dc.field(default_factory=PlaceSettings)
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -40,10 +42,11 @@ class GraspRating:
     centered: Array  # (n,) how near the contacts' centroid is to the centre of mass
     held: Array  # (n,) how many fingers touch, and whether a thumb opposes them
     certain: Array  # (n,) how well the surface is known around the contacts' centroid
+    placed: Array  # (n,) how well the object lies between thumb and fingers
 
     def scores(self) -> GraspScores:
         """The product of the factors, with the rate's error scaled alike."""
-        sense = self.centered * self.held * self.certain
+        sense = self.centered * self.held * self.certain * self.placed
         return GraspScores(self.rate * sense, self.standard_error * sense)
 
 
@@ -78,7 +81,7 @@ def rate_candidates(
     field = object_field(surface, table)
     certainty = vertex_certainty(surface.variance, len(surface.vertices))
     tree = cKDTree(surface.vertices)
-    factors = np.zeros((5, len(candidates)))
+    factors = np.zeros((6, len(candidates)))
     for name in sorted(set(candidates.motion)):
         own = np.array([motion == name for motion in candidates.motion])
         rates = closure_rates(
@@ -90,7 +93,10 @@ def rate_candidates(
             contact=settings.contact,
             seed=seed,
         )
-        factors[:, own] = _factors(rates, field, tree, certainty, settings)
+        factors[:5, own] = _factors(rates, field, tree, certainty, settings)
+        factors[5, own] = well_placed(
+            candidates.X_WH[own], name, surface.vertices, field, hand, settings.place
+        )
     return GraspRating(*factors)
 
 
@@ -110,7 +116,7 @@ def _factors(
     certainty: Array,
     settings: ScoringSettings,
 ) -> Array:
-    """Rows in the order of `GraspRating`, (5, n)."""
+    """The first rows of `GraspRating`, (5, n)."""
     up = np.asarray(field.table.normal)
     offset = rates.centroid - field.center
     offset = np.linalg.norm(offset - (offset @ up)[:, None] * up, axis=1)

@@ -1,5 +1,6 @@
 """Everything from the camera's cloud to commands for arm and hand; it sees sensors alone."""
 
+import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
 from vh_drake.control.kinematics import ArmKinematics
@@ -172,11 +173,21 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
 
 
 def touching_skin(hand: HandModel) -> Skin:
-    """The pads of the open fingers, that of the touching finger first."""
+    """The pads of the open fingers, that of the touching finger first, and their round ends."""
     p, n = pads_in_hand(hand)
     X_HT = fingertip_frame(hand)
     order = ((p - X_HT[:3, 3]) ** 2).sum(axis=1).argsort()
-    return pad_skin(p[order], n[order])
+    pads = pad_skin(p[order], n[order])
+    centers, radii = hand.spheres(hand.lower)
+    ends = hand.tip_spheres[hand.opposing == 0]
+    tilts = np.deg2rad(np.linspace(0.0, 70.0, 8))
+    out = np.cos(tilts)[:, None] * X_HT[:3, 2] + np.sin(tilts)[:, None] * X_HT[:3, 0]
+    p_HEnd = centers[ends][:, None] + radii[ends][:, None, None] * out
+    return Skin(
+        np.vstack([pads.p_H, p_HEnd.reshape(-1, 3)]),
+        np.vstack([pads.n_H, np.tile(out, (len(ends), 1))]),
+        pads.p_HExpected,
+    )
 
 
 def _workspace(scenario: Scenario) -> SegmentationSettings:
