@@ -154,7 +154,7 @@ def grasp(
     scorer: Annotated[str | None, typer.Option(help="conventional")] = None,
     contact: Annotated[str | None, typer.Option(help="hydroelastic or point")] = None,
     hand: HandOption = "",
-    mass: Annotated[float | None, typer.Option(help="Of the object [kg].")] = None,
+    mass: Annotated[float | None, typer.Option(help="Of the object, in kg.")] = None,
     scale: Annotated[float | None, typer.Option(help="Multiplies the mesh's coordinates.")] = None,
     objects_: Annotated[
         Path | None, typer.Option("--objects", metavar="DIR", help="Where OBJECT is a name.")
@@ -191,7 +191,9 @@ def grasp(
 
 @app.command()
 def plan(
-    cloud: Annotated[Path, typer.Argument(metavar="CLOUD", help="PLY, PCD or NPZ, z up [m].")],
+    cloud: Annotated[
+        Path, typer.Argument(metavar="CLOUD", help="PLY, PCD or NPZ, in metres, z up.")
+    ],
     contacts: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Touched places, CSV or JSON.")
     ] = None,
@@ -201,7 +203,7 @@ def plan(
     ] = None,
     camera: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(metavar="X Y Z", help="Where the camera stood [m]."),
+        typer.Option(metavar="X Y Z", help="Where the camera stood, in metres."),
     ] = None,
     hand: HandOption = "",
     seed: Annotated[int, typer.Option(min=0, help="Of every random choice.")] = 0,
