@@ -11,7 +11,7 @@ TORCH_CPU_INDEX := https://download.pytorch.org/whl/cpu
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 JOBS ?= 2
 
-.PHONY: venv demo test lint bench docs pictures clean
+.PHONY: venv demo test lint docs pictures clean
 .DELETE_ON_ERROR:
 
 venv: $(STAMP)
@@ -27,6 +27,8 @@ $(STAMP): pyproject.toml constraints.txt tools/check_system.py
 	  --extra-index-url $(TORCH_CPU_INDEX) "torch==$(TORCH)+cpu" 2>/dev/null \
 	  || $(PIP) install -q --no-compile -c constraints.txt "torch==$(TORCH)"
 	$(PIP) install -q --no-compile -c constraints.txt -e ".[visuals,test,notebooks,docs]"
+	@# A first run would compile for a minute; what fails here, `vh-drake doctor` explains.
+	-$(BIN)/python -m vh_drake.experiments.warm
 	@touch $@
 
 demo: venv
@@ -40,9 +42,6 @@ lint: venv
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-
-bench: venv
-	$(BIN)/vh-drake bench
 
 docs: venv
 	$(BIN)/python tools/build_docs.py docs/api
