@@ -142,7 +142,7 @@ def test_a_missed_touch_adds_no_contact_and_is_not_tried_again():
     assert len(leaf.get("contacts")) == 0
     assert step(leaf, surface_served=2) == "plan a touch"
     assert step(leaf, touch_served=2, touch_plans=(BACK, SIDE)) == "touch"
-    np.testing.assert_array_equal(leaf.get("program").legs[-1].touch.p_WT, SIDE.p_WT)
+    np.testing.assert_allclose(leaf.get("program").legs[-1].touch.p_WT, SIDE.p_WT)
 
 
 def test_where_only_missed_places_are_left_the_view_must_do():
