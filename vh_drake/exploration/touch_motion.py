@@ -208,9 +208,7 @@ def _cosine(a: Array, b: Array) -> float:
     return float(a @ b / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-12))
 
 
-def _levelled(
-    plan: TouchPlan, scene: Obstacles, s: TouchMotionSettings, *, low: bool
-) -> TouchPlan:
+def _levelled(plan: TouchPlan, scene: Obstacles, s: TouchMotionSettings, *, low: bool) -> TouchPlan:
     """Low and undercut places are approached level; low ones as low as a finger reaches."""
     up = scene.table.normal
     level = plan.n_WT - (plan.n_WT @ up) * up

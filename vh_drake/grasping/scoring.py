@@ -2,7 +2,8 @@
 
 A grasp may close well on the estimate and yet fail: because it holds the object far from its
 centre of mass, which lets it tilt; with too few fingers; on parts of the surface that are a
-guess; or where the object lies so in the hand that thumb and fingers slip past it. Each of these is a factor between 0 and 1, and the score is the product.
+guess; or where the object lies so in the hand that thumb and fingers slip past it. Each of
+these is a factor between 0 and 1, and the score is the product.
 """
 
 import dataclasses as dc

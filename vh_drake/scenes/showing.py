@@ -19,7 +19,7 @@ from vh_drake.systems.phase_publisher import PhasePublisher
 from vh_drake.systems.surface_publisher import SurfacePublisher
 from vh_drake.systems.touch_publisher import TouchPublisher
 
-ROBOT_PERIOD_S = 0.08  # Players interpolate; shorter ones make recordings larger.
+ROBOT_PERIOD_S = 0.1  # Players interpolate; shorter ones make recordings larger.
 CAMERA_W, TARGET_W = (1.4, -0.9, 1.45), (0.5, -0.22, 1.08)
 P_W_SIGN, SIGN_HEIGHT_M = (0.75, 0.2, 1.22), 0.1
 BACKGROUND = (0.97, 0.98, 1.0)
