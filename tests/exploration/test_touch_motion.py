@@ -84,7 +84,7 @@ def test_the_touch_starts_off_the_target_and_ends_on_it(motion):
     np.testing.assert_allclose(feel.touch.p_WT, BACK.p_WT, atol=1e-9)
     np.testing.assert_allclose(feel.touch.n_WT, BACK.n_WT, atol=1e-9)
     np.testing.assert_allclose(
-        feel.X_WH, shifted(settle.X_WH, -SETTINGS.standoff_m * n), atol=1e-12
+        feel.X_WH, shifted(settle.X_WH, -SETTINGS.standoff_m * BACK.n_WT), atol=1e-12
     )
 
 

@@ -23,7 +23,7 @@ _SAMPLES = 3000
 class TrueTouch:
     """Where the hand touched the object."""
 
-    p_WC: Array  # (3,) centre of the contacts [m]
+    p_WC: Array  # (3,) where it pressed most [m]
     p_OC: Array  # (3,) the same in the object's frame
     X_WO: RigidTransform  # the object's pose just then
 
@@ -61,25 +61,29 @@ class Judge:
 
     def touch(self) -> TrueTouch | None:
         """The contact between hand and object now, None where there is none."""
-        points = self._contact_points()
-        if not points:
+        pressed = self._contacts()
+        if not pressed:
             return None
-        p_WC = np.mean(points, axis=0)
+        p_WC = max(pressed, key=lambda contact: contact[0])[1]
         X_WO = self.object_pose()
         return TrueTouch(p_WC, X_WO.inverse() @ p_WC, X_WO)
 
-    def _contact_points(self) -> list[Array]:
+    def _contacts(self) -> list[tuple[float, Array]]:
+        """Forces [N] and places (3,) [m] at which hand and object press on each other."""
         results = self._plant.get_contact_results_output_port().Eval(self._context)
         points = []
         for i in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(i)
             if self._is_touch(info.bodyA_index(), info.bodyB_index()):
-                points.append(np.array(info.contact_point()))
+                force = float(np.linalg.norm(info.contact_force()))
+                points.append((force, np.array(info.contact_point())))
         for i in range(results.num_hydroelastic_contacts()):
-            surface = results.hydroelastic_contact_info(i).contact_surface()
+            patch = results.hydroelastic_contact_info(i)
+            surface = patch.contact_surface()
             bodies = [self._body_of(surface.id_M()), self._body_of(surface.id_N())]
             if self._is_touch(*bodies):
-                points.append(np.array(surface.centroid()))
+                force = float(np.linalg.norm(patch.F_Ac_W().translational()))
+                points.append((force, np.array(surface.centroid())))
         return points
 
     def _body_of(self, geometry_id: object) -> BodyIndex:

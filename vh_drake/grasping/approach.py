@@ -26,7 +26,7 @@ class GraspMotionSettings:
     squeeze_s: float = 0.4
     gather_fingers: float = 0.5
     gather_thumb: float = 0.2
-    lift_m: float = 0.17
+    lift_m: float = 0.185  # 15 cm and what a heavy object may sag meanwhile
     lift_s: float = 1.5
     hold_s: float = 3.2
 
