@@ -42,6 +42,10 @@ class TouchMotionSettings:
     # Cosine between the normal where the hand will first meet the estimate and the direction
     # to the camera, below which a touch is surely hidden; the least is taken where none is.
     most_facing_camera: float = -0.42
+    # A push that passes the object's middle turns it, and another finger may meet it elsewhere:
+    # what that costs, in the same cosine, beyond a lever that friction bears.
+    borne_lever_m: float = 0.01
+    lever_cost_per_m: float = 6.0
     most_compared: int = 200  # feasible touches among which the least is sought
     settle_s: float = 0.4
     least_transit_m: float = 0.24  # lowest transit height of the hand frame over the table
@@ -156,6 +160,8 @@ def find_touch(
     X_WH_now, best, least = kinematics.pose(q), None, np.inf
     for count, (plan, X_WH, contact) in enumerate(_clear_touches(plans, scene, hand, settings)):
         facing = _cosine(contact[1], p_WCamera - contact[0])
+        lever = abs(float(np.cross(contact[0] - scene.center, plan.n_WT) @ scene.table.normal))
+        facing += settings.lever_cost_per_m * max(lever - settings.borne_lever_m, 0.0)
         if facing >= least:
             continue
         pad = fingertip_frame(hand)

@@ -21,6 +21,7 @@ class Obstacles:
     distance: ScalarGrid  # signed, of the object [m]
     table: Plane
     top_m: float  # height of the object over the table
+    center: Array  # (3,) middle of the object's surface [m]
 
 
 def obstacles(surface: Surface, table: Plane) -> Obstacles:
@@ -33,7 +34,8 @@ def obstacles(surface: Surface, table: Plane) -> Obstacles:
         raise BadInput("an empty surface is no obstacle; estimate it from points first")
     mesh = TriMesh(surface.vertices, surface.faces)
     grid = signed_distance_grid(mesh, spacing=_SPACING_M, padding=_PADDING_M)
-    return Obstacles(grid, table, float(table.height(surface.vertices).max()))
+    center = np.average(mesh.triangles.mean(axis=1), axis=0, weights=mesh.areas)
+    return Obstacles(grid, table, float(table.height(surface.vertices).max()), center)
 
 
 def link_clearance(
