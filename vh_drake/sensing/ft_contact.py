@@ -31,7 +31,7 @@ class FtContactSettings:
     fast_threshold_n: float = 0.5  # ΔF while the hand moves fast [N]
     fast_speed_m_s: float = 0.08  # [m/s]
     # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms.
-    hold_samples: int = 8
+    hold_samples: int = 5
     force_std_n: float = 0.02  # of one sample, per axis [N]
     torque_std_nm: float = 0.0005  # [N m]
     prior_std_m: float = 0.02  # of the contact about the expected place [m]
