@@ -34,7 +34,6 @@ def test_the_recording_shows_the_scene_without_a_server(meshcat, tmp_path):
 
 @pytest.mark.parametrize("closing", [False, True])
 def test_what_was_hidden_in_the_run_is_hidden_when_it_is_replayed(meshcat, tmp_path, closing):
-    meshcat.Delete("box")
     publisher = ContactsPublisher(meshcat)
     simulator = Simulator(publisher)
     context = simulator.get_mutable_context()
