@@ -34,6 +34,7 @@ import numpy as np
 
 from vh_drake.types import Array, IntArray
 
+FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # sums over points may be reordered
 SQUARED_EXPONENTIAL = 0
 THIN_PLATE = 1
 
@@ -147,48 +148,95 @@ def covariance_matrix(
     return K
 
 
-@numba.njit(cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
-def weighted_potential(
-    code: int,
-    length: float,
-    signal2: float,
-    x: Array,
-    p: Array,
-    weights: Array,
-) -> Array:
-    """Potential at points x: eq. 3.36 with weights (n, 4), zero where no gradient was seen."""
-    f = np.empty(len(x))
-    for a in range(len(x)):
-        total = 0.0
-        for i in range(len(p)):
-            rx, ry, rz = x[a, 0] - p[i, 0], x[a, 1] - p[i, 1], x[a, 2] - p[i, 2]
-            d2 = rx * rx + ry * ry + rz * rz
-            phi, g, _ = radial_profile(code, d2, length, signal2)
-            slope = rx * weights[i, 1] + ry * weights[i, 2] + rz * weights[i, 3]
-            total += weights[i, 0] * phi - g * slope
-        f[a] = total
-    return f
+@numba.njit(cache=True, fastmath=FASTMATH)
+def _thin_plate_sum(
+    length: float, unit: float, x: float, y: float, z: float, columns: Array
+) -> tuple[float, float, float, float]:
+    """Eq. 3.36 and its gradient at one point, with unit = signal2 / R³."""
+    f = fx = fy = fz = 0.0
+    for i in range(columns.shape[1]):
+        rx, ry, rz = x - columns[0, i], y - columns[1, i], z - columns[2, i]
+        w0, w1, w2, w3 = columns[3, i], columns[4, i], columns[5, i], columns[6, i]
+        d2 = rx * rx + ry * ry + rz * rz
+        d = math.sqrt(d2)
+        slope = rx * w1 + ry * w2 + rz * w3
+        g = 6.0 * (d - length)
+        f += w0 * (d2 * (2.0 * d - 3.0 * length) + length * length * length) - g * slope
+        along = w0 * g - 6.0 * slope / max(d, 1e-150)
+        fx += rx * along - g * w1
+        fy += ry * along - g * w2
+        fz += rz * along - g * w3
+    return unit * f, unit * fx, unit * fy, unit * fz
+
+
+@numba.njit(cache=True, fastmath=FASTMATH)
+def _squared_exponential_sum(
+    length: float, signal2: float, x: float, y: float, z: float, columns: Array
+) -> tuple[float, float, float, float]:
+    """Eq. 3.36 and its gradient at one point."""
+    inverse = 1.0 / (length * length)
+    f = fx = fy = fz = 0.0
+    for i in range(columns.shape[1]):
+        rx, ry, rz = x - columns[0, i], y - columns[1, i], z - columns[2, i]
+        d2 = rx * rx + ry * ry + rz * rz
+        phi = math.exp(-0.5 * d2 * inverse)
+        w1, w2, w3 = columns[4, i] * inverse, columns[5, i] * inverse, columns[6, i] * inverse
+        value = columns[3, i] + rx * w1 + ry * w2 + rz * w3
+        f += phi * value
+        fx += phi * (w1 - inverse * rx * value)
+        fy += phi * (w2 - inverse * ry * value)
+        fz += phi * (w3 - inverse * rz * value)
+    return signal2 * f, signal2 * fx, signal2 * fy, signal2 * fz
 
 
 @numba.njit(cache=True)
-def weighted_gradient(
-    code: int,
-    length: float,
-    signal2: float,
-    x: Array,
-    p: Array,
-    weights: Array,
-) -> Array:
-    """Gradient of eq. 3.36 at points x, (m, 3)."""
-    gradient = np.zeros((len(x), 3))
-    r = np.empty(3)
+def weighted_sum(code: int, length: float, signal2: float, x: Array, columns: Array) -> Array:
+    """Potential and gradient of eq. 3.36, (m, 4), at points x (m, 3).
+
+    Args:
+        code: the kernel's code.
+        length: its length scale or radius, in the unit of the points.
+        signal2: its variance at distance zero.
+        x: (m, 3) points.
+        columns: (7, n) coordinates and weights of the observed points; the weights of a gradient
+            that was not observed are zero.
+    """
+    result = np.empty((len(x), 4))
     for a in range(len(x)):
-        for i in range(len(p)):
-            for n in range(3):
-                r[n] = x[a, n] - p[i, n]
-            d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
-            _, g, h = radial_profile(code, d2, length, signal2)
-            slope = r[0] * weights[i, 1] + r[1] * weights[i, 2] + r[2] * weights[i, 3]
-            for n in range(3):
-                gradient[a, n] += r[n] * (weights[i, 0] * g - h * slope) - g * weights[i, 1 + n]
-    return gradient
+        result[a] = point_sum(code, length, signal2, x[a, 0], x[a, 1], x[a, 2], columns)
+    return result
+
+
+@numba.njit(cache=True)
+def point_sum(
+    code: int, length: float, signal2: float, x: float, y: float, z: float, columns: Array
+) -> tuple[float, float, float, float]:
+    """As `weighted_sum`, at one point."""
+    if code == SQUARED_EXPONENTIAL:
+        return _squared_exponential_sum(length, signal2, x, y, z, columns)
+    return _thin_plate_sum(length, signal2 / length**3, x, y, z, columns)
+
+
+@numba.njit(cache=True, fastmath=FASTMATH)
+def plane_factors(ex: Array, ey: Array, along_x: Array, along_y: Array, along_z: Array) -> Array:
+    """The factors (nx * ny, 2n) of a squared exponential in the planes of a grid.
+
+    Those of a plane's node are what stands before exp(z) and before z exp(z) in the potential,
+    for each of n observed points.
+
+    Args:
+        ex: (nx, n) exponentials along x.
+        ey: (ny, n) exponentials along y.
+        along_x: (nx, n) ex times the weight of value and of slope along x.
+        along_y: (ny, n) slope along y.
+        along_z: (n,) weight of the slope along z.
+    """
+    nx, ny, n = len(ex), len(ey), ex.shape[1]
+    left = np.empty((nx * ny, 2 * n))
+    for a in range(nx):
+        for b in range(ny):
+            row = left[a * ny + b]
+            for i in range(n):
+                row[i] = ey[b, i] * (along_x[a, i] + ex[a, i] * along_y[b, i])
+                row[n + i] = ex[a, i] * ey[b, i] * along_z[i]
+    return left

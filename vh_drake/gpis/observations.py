@@ -1,6 +1,7 @@
 """What a Gaussian process implicit surface is fitted to."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,16 +28,23 @@ class Observations:
     def __len__(self) -> int:
         return len(self.p)
 
-    @property
+    @cached_property
     def has_gradient(self) -> NDArray[np.bool_]:
         """(n,) whether the gradient was observed."""
         finite: NDArray[np.bool_] = np.isfinite(self.gradient_variance)
         return finite
 
+    @cached_property
+    def is_row(self) -> NDArray[np.bool_]:
+        """(n, 4) which of value and gradient were observed: the rows of eq. 3.32."""
+        return np.column_stack([np.ones(len(self), bool), *[self.has_gradient] * 3])
+
+    @cached_property
     def row_starts(self) -> IntArray:
         """(n + 1,) the first row of each point in the extended vectors (eq. 3.35)."""
-        rows = np.where(self.has_gradient, 4, 1)
-        return np.concatenate([[0], np.cumsum(rows)]).astype(np.int64)
+        starts = np.zeros(len(self) + 1, np.int64)
+        np.cumsum(np.where(self.has_gradient, 4, 1), out=starts[1:])
+        return starts
 
     def joined(self, other: "Observations") -> "Observations":
         """These observations followed by others."""
@@ -50,9 +58,9 @@ class Observations:
 
     def stacked(self, value: Array, gradient: Array) -> Array:
         """Interleave (n,) values and (n, 3) gradients to the rows of eq. 3.32."""
-        rows = np.column_stack([value, gradient])
-        seen = np.column_stack([np.ones(len(self), bool), *[self.has_gradient] * 3])
-        stacked: Array = rows[seen]
+        rows = np.empty((len(self), 4))
+        rows[:, 0], rows[:, 1:] = value, gradient
+        stacked: Array = rows[self.is_row]
         return stacked
 
 

@@ -10,24 +10,26 @@ of one magnitude; arguments and results are in metres.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky
+from scipy.linalg import cholesky
 from scipy.linalg.blas import dtrsm
 
 from vh_drake.errors import IllConditionedKernel
+from vh_drake.gpis.growing_factor import GrowingFactor
 from vh_drake.gpis.kernels import (
     SQUARED_EXPONENTIAL,
     Kernel,
     covariance_matrix,
-    weighted_gradient,
-    weighted_potential,
+    plane_factors,
+    weighted_sum,
 )
 from vh_drake.gpis.observations import Observations, require_usable
 from vh_drake.types import Array, IntArray
 
 SCALE_M = 0.1
-_JITTER = 1e-9  # of the signal's variance: keeps exact duplicates solvable
+JITTER = 1e-9  # of the signal's variance: keeps exact duplicates solvable
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,30 +38,35 @@ class Posterior:
 
     kernel: Kernel
     observations: Observations
-    factor: Array  # (rows, rows) lower Cholesky factor of K⁺ + Σ, scaled
+    factor: GrowingFactor  # of K⁺ + Σ, scaled
     weights: Array  # (n, 4) of values and gradients, zero where no gradient was seen, scaled
 
     def mean(self, p: Array) -> Array:
         """Potential f (m,) at points (m, 3) [m]; negative inside."""
-        potential: Array = SCALE_M * weighted_potential(
-            *_scaled(self.kernel), np.ascontiguousarray(p / SCALE_M), self._centres(), self.weights
-        )
-        return potential
+        return self.mean_and_gradient(p)[0]
 
     def gradient(self, p: Array) -> Array:
         """∇f (m, 3) at points (m, 3)."""
-        gradient: Array = weighted_gradient(
-            *_scaled(self.kernel), np.ascontiguousarray(p / SCALE_M), self._centres(), self.weights
-        )
-        return gradient
+        return self.mean_and_gradient(p)[1]
+
+    def mean_and_gradient(self, p: Array) -> tuple[Array, Array]:
+        """Potential (m,) and gradient (m, 3) at points (m, 3) [m], for the price of one."""
+        points = np.ascontiguousarray(p / SCALE_M)
+        both = weighted_sum(*scaled(self.kernel), points, self.columns)
+        return SCALE_M * both[:, 0], both[:, 1:]
+
+    @cached_property
+    def columns(self) -> Array:
+        """(7, n) coordinates and weights of the observed points, scaled."""
+        return np.ascontiguousarray(np.column_stack([self._centres, self.weights]).T)
 
     def variance(self, p: Array) -> Array:
         """Posterior variance of f (m,) at points (m, 3) [m²] (eq. 3.57)."""
         points = np.ascontiguousarray(p / SCALE_M)
         cross = _covariance(
-            self.kernel, self._centres(), self.observations.row_starts(), points, _values(points)
+            self.kernel, self._centres, self.observations.row_starts, points, _values(points)
         )
-        half = _solve_lower(self.factor, cross)
+        half = _solve_lower(self.factor.lower, cross)
         prior = (self.kernel.signal_std_m / SCALE_M) ** 2
         variance: Array = SCALE_M**2 * np.maximum(prior - np.einsum("ij,ij->j", half, half), 0.0)
         return variance
@@ -77,38 +84,33 @@ class Posterior:
     def append(self, observations: Observations) -> "Posterior":
         """The posterior with more observations, by a block update of the factor in O(rows²)."""
         require_usable(observations)
-        old, new = self._centres(), observations.p / SCALE_M
-        cross = _covariance(
-            self.kernel, old, self.observations.row_starts(), new, observations.row_starts()
+        old, new = self._centres, observations.p / SCALE_M
+        side = _covariance(
+            self.kernel, new, observations.row_starts, old, self.observations.row_starts
         )
-        side = _solve_lower(self.factor, cross)
-        corner = _cholesky(
-            _noisy_covariance(self.kernel, observations) - side.T @ side, self.kernel
-        )
-        rows, extra = len(self.factor), len(corner)
-        factor = np.zeros((rows + extra, rows + extra))
-        factor[:rows, :rows] = self.factor
-        factor[rows:, :rows] = side.T
-        factor[rows:, rows:] = corner
+        try:
+            factor = self.factor.extended(side, _noisy_covariance(self.kernel, observations))
+        except np.linalg.LinAlgError as error:
+            raise _ill_conditioned(self.factor.rows + len(side), self.kernel) from error
         return _solved(self.kernel, self.observations.joined(observations), factor)
 
+    @cached_property
     def _centres(self) -> Array:
         return self.observations.p / SCALE_M
 
     def _mean_on_separable_grid(self, x: Array, y: Array, z: Array) -> Array:
         length = self.kernel.length_m / SCALE_M
         signal2 = (self.kernel.signal_std_m / SCALE_M) ** 2
-        centres = self._centres()
+        centres = self._centres
         offsets = [np.subtract.outer(a / SCALE_M, centres[:, i]) for i, a in enumerate((x, y, z))]
         ex, ey, ez = (np.exp(-0.5 * (offset / length) ** 2) for offset in offsets)  # (nx, n), ...
         slopes = self.weights[:, 1:] / length**2
         along_x = ex * (self.weights[:, 0] + offsets[0] * slopes[:, 0])
-        in_plane = along_x[:, None] * ey + ex[:, None] * (ey * offsets[1] * slopes[:, 1])
-        out_of_plane = ex[:, None] * (ey * slopes[:, 2])
-        left = np.concatenate([in_plane, out_of_plane], axis=2)  # (nx, ny, 2n)
-        right = np.concatenate([ez, ez * offsets[2]], axis=1)  # (nz, 2n)
-        potential: Array = (SCALE_M * signal2) * (left @ right.T)
-        return potential
+        left = plane_factors(ex, ey, along_x, offsets[1] * slopes[:, 1], slopes[:, 2])
+        right = np.concatenate([ez, ez * offsets[2]], axis=1)
+        right *= SCALE_M * signal2
+        potential: Array = left @ right.T
+        return potential.reshape(len(x), len(y), len(z))
 
 
 def fit(kernel: Kernel, observations: Observations) -> Posterior:
@@ -119,38 +121,39 @@ def fit(kernel: Kernel, observations: Observations) -> Posterior:
         IllConditionedKernel: the covariance matrix is not positive definite.
     """
     require_usable(observations)
-    factor = _cholesky(_noisy_covariance(kernel, observations), kernel)
-    return _solved(kernel, observations, factor)
+    K = _noisy_covariance(kernel, observations)
+    try:
+        lower = cholesky(K, lower=True, check_finite=False)
+    except np.linalg.LinAlgError as error:
+        raise _ill_conditioned(len(K), kernel) from error
+    return _solved(kernel, observations, GrowingFactor.of(np.ascontiguousarray(lower)))
 
 
-def _solved(kernel: Kernel, observations: Observations, factor: Array) -> Posterior:
+def _solved(kernel: Kernel, observations: Observations, factor: GrowingFactor) -> Posterior:
     y = observations.stacked(observations.value / SCALE_M, observations.gradient)
-    solution = cho_solve((factor, True), y, check_finite=False)  # w⁺, eq. 3.34
+    solution = factor.solve(y)  # w⁺, eq. 3.34
     weights = np.zeros((len(observations), 4))
-    seen = observations.has_gradient
-    starts = observations.row_starts()[:-1]
-    weights[:, 0] = solution[starts]
-    for m in range(3):
-        weights[seen, 1 + m] = solution[starts[seen] + 1 + m]
+    weights[observations.is_row] = solution
     return Posterior(kernel, observations, factor, weights)
 
 
 def _noisy_covariance(kernel: Kernel, observations: Observations) -> Array:
-    points, starts = observations.p / SCALE_M, observations.row_starts()
+    points, starts = observations.p / SCALE_M, observations.row_starts
     K = _covariance(kernel, points, starts, points, starts)
     variance = observations.value_variance / SCALE_M**2
-    repeated = np.repeat(observations.gradient_variance[:, None], 3, axis=1)
-    jitter = _JITTER * (kernel.signal_std_m / SCALE_M) ** 2
-    K[np.diag_indices_from(K)] += observations.stacked(variance, repeated) + jitter
+    jitter = JITTER * (kernel.signal_std_m / SCALE_M) ** 2
+    noise = observations.stacked(variance, observations.gradient_variance[:, None])
+    K.ravel()[:: len(K) + 1] += noise + jitter
     return K
 
 
 def _covariance(kernel: Kernel, p: Array, start_p: IntArray, q: Array, start_q: IntArray) -> Array:
-    K: Array = covariance_matrix(*_scaled(kernel), p, start_p, q, start_q)
+    K: Array = covariance_matrix(*scaled(kernel), p, start_p, q, start_q)
     return K
 
 
-def _scaled(kernel: Kernel) -> tuple[int, float, float]:
+def scaled(kernel: Kernel) -> tuple[int, float, float]:
+    """Code, length and variance of a kernel in the unit that is used inside."""
     return kernel.code, kernel.length_m / SCALE_M, (kernel.signal_std_m / SCALE_M) ** 2
 
 
@@ -167,14 +170,10 @@ def _solve_lower(factor: Array, cross: Array) -> Array:
     return half
 
 
-def _cholesky(K: Array, kernel: Kernel) -> Array:
-    try:
-        factor: Array = cholesky(K, lower=True, check_finite=False)
-    except np.linalg.LinAlgError as error:
-        raise IllConditionedKernel(
-            f"kernel matrix of {len(K)} rows is not positive definite (length_m="
-            f"{kernel.length_m:g}); raise the noise variances, drop duplicate points, shorten a "
-            "squared exponential's length, or widen a thin plate's radius to 1.2 times the "
-            "largest distance between points"
-        ) from error
-    return factor
+def _ill_conditioned(rows: int, kernel: Kernel) -> IllConditionedKernel:
+    return IllConditionedKernel(
+        f"kernel matrix of {rows} rows is not positive definite (length_m="
+        f"{kernel.length_m:g}); raise the noise variances, drop duplicate points, shorten a "
+        "squared exponential's length, or widen a thin plate's radius to 1.2 times the "
+        "largest distance between points"
+    )
