@@ -2,6 +2,7 @@ import dataclasses as dc
 
 import numpy as np
 import pytest
+import trimesh
 from scenery import (
     CAN,
     TABLE,
@@ -23,7 +24,8 @@ from vh_drake.exploration.touch_motion import (
     touching_poses,
 )
 from vh_drake.geometry.signed_distance import interpolate
-from vh_drake.hand.clearance import link_clearance
+from vh_drake.hand.clearance import link_clearance, obstacles
+from vh_drake.types import Surface, TouchPlan
 
 SETTINGS = TouchMotionSettings()
 CAMERA = np.array([0.21, 0.0, 1.82])
@@ -155,3 +157,20 @@ def test_the_end_of_the_finger_leads_where_the_finger_leans():
     pad, end = fingertip_frame(right_hand()), finger_end_frame(right_hand(), np.deg2rad(22.0))
     assert (end[:3, 3] - pad[:3, 3]) @ end[:3, 2] > 0
     np.testing.assert_allclose(end[:3, :3].T @ end[:3, :3], np.eye(3), atol=1e-12)
+
+
+def test_the_far_side_of_a_low_thing_is_touched_by_an_upright_finger():
+    bar = trimesh.creation.box((0.04, 0.12, 0.036)).subdivide_to_size(0.01)
+    bar.apply_translation((0.72, -0.25, 0.918))
+    surface = Surface(
+        np.array(bar.vertices), np.array(bar.faces, np.int64), np.array(bar.vertex_normals)
+    )
+    n, p = np.array([1.0, 0.0, 0.0]), np.array([0.74, -0.25, 0.917])
+    plan = TouchPlan(p, n, np.linspace(p + 0.1 * n, p, 4))
+    hand, arm, scene = right_hand(), right_arm(), obstacles(surface, TABLE)
+    found = find_touch([plan], scene, hand, arm, arm.home, CAMERA)
+    assert found is not None
+    to_camera = (CAMERA - found.plan.p_WT) / np.linalg.norm(CAMERA - found.plan.p_WT)
+    assert found.plan.n_WT @ to_camera < -0.3
+    low_only = dc.replace(SETTINGS, low_tilts_deg=SETTINGS.low_tilts_deg[:1])
+    assert find_touch([plan], scene, hand, arm, arm.home, CAMERA, low_only) is None

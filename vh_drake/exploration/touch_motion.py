@@ -6,6 +6,7 @@ their open stops, so the finger does not yield as it would in its closing direct
 
 import dataclasses as dc
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -30,7 +31,9 @@ class TouchMotionSettings:
     table_clearance_m: float = 0.004
     # Below this height the round end of the finger touches, not the pad, which it outreaches.
     low_m: float = 0.03
-    low_tilt_deg: float = 22.0  # from the pad's normal towards the fingertip
+    # From the pad's normal towards the fingertip, in the order of trying: the first touches
+    # lowest, the second is within reach of the arm from every side.
+    low_tilts_deg: tuple[float, ...] = (22.0, 0.0)
     least_height_m: float = 0.0132  # of a touch over the table
     low_share: float = 0.45  # highest low touch, of the object's height
     palm_clearance_m: float = 0.006  # of links that shall not touch, at the contact
@@ -46,6 +49,7 @@ class TouchMotionSettings:
     # what that costs, in the same cosine, beyond a lever that friction bears.
     borne_lever_m: float = 0.01
     lever_cost_per_m: float = 6.0
+    estimate_error_m: float = 0.003  # by which another finger may come first
     most_compared: int = 200  # feasible touches among which the least is sought
     settle_s: float = 0.4
     least_transit_m: float = 0.24  # lowest transit height of the hand frame over the table
@@ -159,15 +163,15 @@ def find_touch(
     settings = settings or TouchMotionSettings()
     X_WH_now, best, least = kinematics.pose(q), None, np.inf
     for count, (plan, X_WH, contact) in enumerate(_clear_touches(plans, scene, hand, settings)):
-        facing = _cosine(contact[1], p_WCamera - contact[0])
-        lever = abs(float(np.cross(contact[0] - scene.center, plan.n_WT) @ scene.table.normal))
+        (p_WC, n_WC), facing = (rows[0] for rows in contact), _most_facing(contact, p_WCamera)
+        lever = abs(float(np.cross(p_WC - scene.center, plan.n_WT) @ scene.table.normal))
         facing += settings.lever_cost_per_m * max(lever - settings.borne_lever_m, 0.0)
         if facing >= least:
             continue
         pad = fingertip_frame(hand)
         motion = _motion(plan, X_WH, pad, scene, hand, X_WH_now, settings)
         if _reaches(kinematics, q, motion, X_WH, plan.n_WT, settings):
-            predicted = dc.replace(motion.plan, p_WT=contact[0], n_WT=contact[1])
+            predicted = dc.replace(motion.plan, p_WT=p_WC, n_WT=n_WC)
             best, least = dc.replace(motion, plan=predicted), facing
         if least <= settings.most_facing_camera or (best and count > settings.most_compared):
             break
@@ -177,26 +181,28 @@ def find_touch(
 def _clear_touches(
     plans: Sequence[TouchPlan], scene: Obstacles, hand: HandModel, s: TouchMotionSettings
 ) -> Iterator[tuple[TouchPlan, Array, tuple[Array, Array]]]:
-    """Plans as they are approached, hand poses X_WH, and what these will meet first."""
-    pad, end = fingertip_frame(hand), finger_end_frame(hand, np.deg2rad(s.low_tilt_deg))
+    """Plans as they are approached, hand poses X_WH, and where these may meet the estimate."""
+    up, pad = scene.table.normal, fingertip_frame(hand)
+    ends = [finger_end_frame(hand, tilt) for tilt in np.deg2rad(s.low_tilts_deg)]
     for wanted in plans:
         low = float(scene.table.height(wanted.p_WT)) < s.low_m
         plan = _levelled(wanted, scene, s, low=low)
-        for X_WH in touching_poses(plan, end if low else pad, scene.table.normal, s):
+        for X_WH in chain(*(touching_poses(plan, X, up, s) for X in (ends if low else [pad]))):
             if not _is_clear(hand, X_WH, plan.n_WT, scene, s):
                 continue
-            contact = first_contact(hand, X_WH, plan.n_WT, scene, s)
-            if contact is not None:
-                yield plan, X_WH, contact
+            contacts = first_contacts(hand, X_WH, plan.n_WT, scene, s)
+            if len(contacts[0]):
+                yield plan, X_WH, contacts
 
 
-def first_contact(
+def first_contacts(
     hand: HandModel, X_WH: Array, n_WT: Array, scene: Obstacles, s: TouchMotionSettings
-) -> tuple[Array, Array] | None:
-    """Where the open hand first meets the estimate on its way against n_WT.
+) -> tuple[Array, Array]:
+    """Where the open hand may first meet the object on its way against n_WT.
 
     Returns:
-        Position and outward normal (3,) on the estimate; None where it passes by.
+        Positions and outward normals (k, 3) on the estimate, the first contact first, then
+        those that come as near by then as the estimate may be wrong; none where it passes by.
     """
     centers, radii = hand.spheres(hand.lower)
     start = centers @ X_WH[:3, :3].T + X_WH[:3, 3]
@@ -205,9 +211,17 @@ def first_contact(
         gaps, gradients = interpolate(scene.distance, p_WS)
         nearest = int(np.argmin(gaps - radii))
         if gaps[nearest] < radii[nearest]:
-            normal = gradients[nearest] / max(float(np.linalg.norm(gradients[nearest])), 1e-9)
-            return p_WS[nearest] - gaps[nearest] * normal, normal
-    return None
+            order = np.argsort(gaps - radii, kind="stable")
+            near = order[(gaps - radii)[order] < s.estimate_error_m]
+            lengths = np.linalg.norm(gradients[near], axis=1, keepdims=True)
+            normals = gradients[near] / np.maximum(lengths, 1e-9)
+            return p_WS[near] - gaps[near, None] * normals, normals
+    return np.zeros((0, 3)), np.zeros((0, 3))
+
+
+def _most_facing(contacts: tuple[Array, Array], p_WCamera: Array) -> float:
+    """The largest cosine between normals and the directions to the camera."""
+    return max(_cosine(n, p_WCamera - p) for p, n in zip(*contacts, strict=True))
 
 
 def _cosine(a: Array, b: Array) -> float:

@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from vh_drake.experiments import table_3_6
+
+
+def test_sensed_normals_err_by_the_mean_angle_of_the_sensor():
+    n = np.tile([0.0, 0.6, 0.8], (20_000, 1))
+    p, turned = table_3_6.sensed(np.zeros_like(n), n, seed=0)
+    angle = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", n, turned), -1.0, 1.0)))
+    assert angle.mean() == pytest.approx(table_3_6.NORMAL_ERROR_DEG, rel=0.03)
+    np.testing.assert_allclose(p.std(axis=0), table_3_6.PLACE_STD_M, rtol=0.03)
+
+
+def test_shapes_have_the_stated_sizes():
+    np.testing.assert_allclose(table_3_6.shape("box").extents, [0.10, 0.07, 0.05])
+    np.testing.assert_allclose(table_3_6.shape("sphere").extents, 0.10, rtol=0.01)
+    np.testing.assert_allclose(table_3_6.shape("cylinder").extents, [0.07, 0.07, 0.10], rtol=0.01)
+
+
+def test_a_trial_takes_at_most_fifty_contacts_and_is_the_same_again():
+    row = table_3_6.trial(("cylinder", 1))
+    assert row["contacts"] <= 50
+    assert row == table_3_6.trial(("cylinder", 1))
+    assert row["mm"] < row["mm_without_normals"]
+
+
+def test_summary_is_the_mean_of_the_runs():
+    columns = ("mm", "deg", "mm_without_normals", "deg_without_normals")
+    rows = [
+        {"object": name, **dict.fromkeys(columns, value)}
+        for name in (*table_3_6.SIMULATED, *table_3_6.ROBOT)
+        for value in (1.0, 3.0)
+    ]
+    figures = table_3_6.summary(rows)
+    assert figures["box_mm"] == 2.0
+    assert figures["mean_error_ratio"] == 1.0
+    assert set(table_3_6.thesis()) <= set(figures)
