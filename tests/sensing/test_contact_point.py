@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from vh_drake.errors import BadInput
 from vh_drake.sensing.contact_point import (
@@ -63,12 +64,35 @@ def test_pad_points_lie_in_the_pad_s_plane_within_its_radius():
     np.testing.assert_allclose(skin.n_H, np.tile(n / np.sqrt(10.0), (len(skin.p_H), 1)))
 
 
-def test_a_strong_force_weighs_half_and_a_weak_one_leaves_the_normal_to_the_approach():
-    force, approach = np.array([0.0, 0.0, 1.0]), np.array([2.0, 0.0, 0.0])
-    strong = contact_normal(100.0 * force, approach, 0.006)
-    weak = contact_normal(1e-4 * force, approach, 0.006)
-    np.testing.assert_allclose(strong, np.array([-1, 0, 1]) / np.sqrt(2), atol=1e-3)
-    np.testing.assert_allclose(weak, [-1, 0, 0], atol=1e-3)
+def test_a_force_within_the_friction_cone_leaves_the_expected_normal():
+    lean = np.deg2rad(30.0)
+    force = 3.0 * np.array([np.cos(lean), np.sin(lean), 0.0])
+    found = contact_normal(force, np.array([-2.0, 0.0, 0.0]), 0.8)
+    np.testing.assert_allclose(found, [1, 0, 0])
+
+
+def test_a_force_beyond_the_cone_turns_the_normal_just_into_it():
+    lean = np.deg2rad(70.0)
+    force = 3.0 * np.array([np.cos(lean), np.sin(lean), 0.0])
+    found = contact_normal(force, np.array([-2.0, 0.0, 0.0]), 0.8)
+    assert np.linalg.norm(found) == pytest.approx(1.0)
+    assert np.arccos(found @ force / 3.0) == pytest.approx(np.arctan(0.8))
+    turned = lean - np.arctan(0.8)
+    np.testing.assert_allclose(found, [np.cos(turned), np.sin(turned), 0], atol=1e-12)
+
+
+def test_without_friction_the_force_is_the_normal():
+    force = np.array([0.3, -0.4, 0.0])
+    found = contact_normal(force, np.array([-1.0, 0.0, 0.0]), 0.0)
+    np.testing.assert_allclose(found, [0.6, -0.8, 0.0], atol=1e-12)
+
+
+def test_the_normal_turns_with_everything():
+    R = Rotation.from_rotvec([0.4, -0.2, 0.9]).as_matrix()
+    force, approach = np.array([0.2, 0.5, -0.1]), np.array([-0.3, 0.1, 0.2])
+    np.testing.assert_allclose(
+        contact_normal(R @ force, R @ approach, 0.5), R @ contact_normal(force, approach, 0.5)
+    )
 
 
 @pytest.mark.parametrize(
@@ -80,7 +104,7 @@ def test_a_strong_force_weighs_half_and_a_weak_one_leaves_the_normal_to_the_appr
     ],
 )
 def test_missing_force_or_approach_still_gives_a_unit_normal(force, approach, normal):
-    found = contact_normal(np.array(force, float), np.array(approach, float), 0.006)
+    found = contact_normal(np.array(force, float), np.array(approach, float), 0.8)
     np.testing.assert_allclose(found, normal)
 
 

@@ -112,11 +112,15 @@ def test_nothing_touches_before_the_first_tare_and_a_new_tare_forgets():
 
 def test_the_contact_stays_latched_when_the_force_goes():
     model = FtContactModel(SKIN)
-    _, state = touch(model, 0, 0.4, SKIN.p_H[40])
+    after, state = touch(model, 0, 0.4, SKIN.p_H[40])
     first = state.contact
-    for i in range(300):
-        state = model.step(state, sample(2.0 + DT * i))
-    assert state.contact is first
+    for i in range(100):
+        state = model.step(state, sample(0.202 + after + DT * i))
+    np.testing.assert_allclose(state.contact.p_WC, first.p_WC, atol=0.005)
+    latched = state.contact
+    for i in range(100, 300):
+        state = model.step(state, sample(0.202 + after + DT * i))
+    assert state.contact is latched
     assert np.linalg.norm(state.force_W) < 0.06
 
 

@@ -118,18 +118,17 @@ def contact_point(
     return skin.p_H[best], skin.n_H[best]
 
 
-def contact_normal(force_W: Array, approach_W: Array, force_std_n: float) -> Array:
+def contact_normal(force_W: Array, approach_W: Array, friction: float) -> Array:
     """The object's outward unit normal (3,) where it is touched.
 
-    With little friction the object pushes the hand along its outward normal; how far that
-    is believed grows with the signal: with s = min(|F| / (10 σ_F), 1) the force's direction
-    weighs s² / (1 + s²), the reversed direction of approach the rest. It never weighs more
-    than half, since friction turns a force by up to 39 degrees (μ = 0.8), however clear it is.
+    The finger comes against the normal that was expected. Friction turns the force away from
+    the true normal by up to its cone's angle, so the force tells no more than that the normal
+    lies within a cone about it: of that cone the direction next to the expected one is taken.
 
     Args:
         force_W: (3,) on the hand [N].
-        approach_W: (3,) direction of motion; zero where unknown.
-        force_std_n: standard deviation of the force, per axis [N].
+        approach_W: (3,) direction of motion; zero where unknown, then it is the force's direction.
+        friction: largest coefficient of friction.
     """
     size, speed = float(np.linalg.norm(force_W)), float(np.linalg.norm(approach_W))
     if size < 1e-12:
@@ -137,7 +136,12 @@ def contact_normal(force_W: Array, approach_W: Array, force_std_n: float) -> Arr
     direction = force_W / size
     if speed < 1e-12:
         return direction
-    signal = min(size / (10.0 * force_std_n), 1.0) ** 2
-    blend = signal * direction - approach_W / speed
-    length = float(np.linalg.norm(blend))
-    return direction if length < 1e-9 else blend / length
+    expected = -approach_W / speed
+    across = expected - (expected @ direction) * direction
+    lean, most = float(np.linalg.norm(across)), float(np.arctan(friction))
+    if np.arctan2(lean, expected @ direction) <= most:
+        return expected
+    if lean < 1e-9:  # The force points the wrong way altogether.
+        return direction
+    normal: Array = np.cos(most) * direction + np.sin(most) * across / lean
+    return normal

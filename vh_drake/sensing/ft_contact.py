@@ -20,6 +20,8 @@ from vh_drake.sensing.hand_load import HandInertia, HandMotion, own_load
 from vh_drake.sensing.low_pass import LowPass
 from vh_drake.types import Array, ContactSet
 
+_CLEAR = 2.0  # times ΔF, above which a force is large enough to read the place anew
+
 
 @dc.dataclass
 class FtContactSettings:
@@ -32,9 +34,13 @@ class FtContactSettings:
     fast_speed_m_s: float = 0.08  # [m/s]
     # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms.
     hold_samples: int = 5
+    # Place and normal are read anew for so long after that, while the hand rests on the object:
+    # the first rise of the force passes through fingers that still swing.
+    settle_samples: int = 50
     force_std_n: float = 0.02  # of one sample, per axis [N]
     torque_std_nm: float = 0.0005  # [N m]
     prior_std_m: float = 0.02  # of the contact about the expected place [m]
+    friction: float = 0.8  # the most by which a force may lean from the normal
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -54,6 +60,7 @@ class FtState:
     """All that the estimation remembers."""
 
     velocity_W: Array = dc.field(default_factory=lambda: np.zeros(6))  # last sample's
+    approach_W: Array = dc.field(default_factory=lambda: np.zeros(3))  # the last known
     low_pass: Array = dc.field(default_factory=lambda: np.zeros((2, 6)))
     wrench_H: Array = dc.field(default_factory=lambda: np.zeros(6))  # filtered, from outside
     offset_H: Array = dc.field(default_factory=lambda: np.zeros(6))  # F_0
@@ -68,17 +75,19 @@ class FtState:
         touched = len(self.contact) > 0
         place = np.r_[self.contact.p_WC[0], self.contact.n_WC[0]] if touched else np.zeros(6)
         flags = [self.tare, float(self.started), float(self.exceeded), float(touched)]
-        parts = (self.velocity_W, self.low_pass.ravel(), self.wrench_H, self.offset_H)
+        motion = np.r_[self.velocity_W, self.approach_W]
+        parts = (motion, self.low_pass.ravel(), self.wrench_H, self.offset_H)
         vector: Array = np.concatenate([*parts, self.force_W, flags, place])
         return vector
 
     @staticmethod
     def from_vector(vector: Array) -> "FtState":
         """The inverse of `to_vector`."""
-        velocity, low_pass, wrench, offset, force, flags, place = np.split(vector, _STATE_SPLITS)
+        motion, low_pass, wrench, offset, force, flags, place = np.split(vector, _STATE_SPLITS)
         touched = flags[3] > 0
         return FtState(
-            velocity_W=velocity,
+            velocity_W=motion[:6],
+            approach_W=motion[6:],
             low_pass=low_pass.reshape(2, 6),
             wrench_H=wrench,
             offset_H=offset,
@@ -90,7 +99,7 @@ class FtState:
         )
 
 
-_STATE_SPLITS = np.cumsum([6, 12, 6, 6, 3, 4])
+_STATE_SPLITS = np.cumsum([9, 12, 6, 6, 3, 4])
 STATE_SIZE = int(_STATE_SPLITS[-1]) + 6
 
 
@@ -115,6 +124,7 @@ class FtContactModel:
         self.skin = skin
         self.inertia = inertia or HandInertia()
         self.settings = settings or FtContactSettings()
+        self._settled = self.settings.hold_samples + self.settings.settle_samples
         self._filter = LowPass.butterworth(self.settings.cutoff_hz, self.settings.period_s)
         gain = np.sqrt(2.0) * self._filter.noise_gain()  # F and F_0 are noisy alike.
         self.force_std_n = gain * self.settings.force_std_n
@@ -130,6 +140,7 @@ class FtContactModel:
                 state,
                 offset_H=state.wrench_H,
                 force_W=np.zeros(3),
+                approach_W=sample.approach_W.copy(),
                 tare=sample.tare,
                 exceeded=0,
                 contact=ContactSet(),
@@ -138,11 +149,20 @@ class FtContactModel:
             return state
         difference = state.wrench_H - state.offset_H
         force_W = sample.R_WH @ difference[3:]
-        exceeded = state.exceeded + 1 if self._touches(force_W, sample) else 0
+        exceeded = self._count(state, self._touches(force_W, sample))
         state = dc.replace(state, force_W=force_W, exceeded=exceeded)
-        if len(state.contact) or exceeded < self.settings.hold_samples:
+        if not self.settings.hold_samples <= exceeded <= self._settled:
             return state
-        return dc.replace(state, contact=self._contact(difference, sample))
+        clear = float(np.linalg.norm(force_W)) > _CLEAR * self.settings.threshold_n
+        if len(state.contact) and not clear:
+            return state
+        return dc.replace(state, contact=self._contact(difference, sample, state.approach_W))
+
+    def _count(self, state: FtState, touches: bool) -> int:
+        """Samples in a row above ΔF; a contact that the finger has left stays as it is."""
+        if touches:
+            return state.exceeded + 1
+        return self._settled + 1 if len(state.contact) else 0
 
     def _filtered(self, state: FtState, sample: FtSample) -> FtState:
         """Takes the hand's own load off and low-passes the rest."""
@@ -152,9 +172,11 @@ class FtContactModel:
         outside = sample.wrench_H - own_load(self.inertia, motion)
         memory = state.low_pass if state.started else self._filter.settled(outside)
         memory, wrench_H = self._filter.step(memory, outside)
+        known = np.linalg.norm(sample.approach_W) > 0  # It ends with the motion.
         return dc.replace(
             state,
             velocity_W=sample.velocity_W.copy(),
+            approach_W=sample.approach_W.copy() if known else state.approach_W,
             low_pass=memory,
             wrench_H=wrench_H,
             started=True,
@@ -166,7 +188,7 @@ class FtContactModel:
         threshold = self.settings.fast_threshold_n if fast else self.settings.threshold_n
         return float(np.linalg.norm(force_W)) > threshold
 
-    def _contact(self, wrench_H: Array, sample: FtSample) -> ContactSet:
+    def _contact(self, wrench_H: Array, sample: FtSample, approach_W: Array) -> ContactSet:
         p_H, _ = contact_point(
             self.skin,
             wrench_H,
@@ -175,7 +197,7 @@ class FtContactModel:
             prior_std_m=self.settings.prior_std_m,
         )
         force_W = sample.R_WH @ wrench_H[3:]
-        n_W = contact_normal(force_W, sample.approach_W, self.force_std_n)
+        n_W = contact_normal(force_W, approach_W, self.settings.friction)
         return ContactSet((sample.p_WH + sample.R_WH @ p_H)[None], n_W[None])
 
 
