@@ -6,7 +6,8 @@ from scenery import can_scene, can_surface, can_view, right_arm, right_hand
 
 from vh_drake.control.reach import rollout
 from vh_drake.grasping.approach import GraspMotionSettings, approach_poses, find_grasp
-from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
+from vh_drake.grasping.planner_settings import PlannerSettings
+from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.clearance import link_clearance
 from vh_drake.types import Candidates
 

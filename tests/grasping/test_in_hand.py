@@ -141,6 +141,7 @@ def test_it_is_a_number_from_0_to_1_wherever_the_hand_is(hand, motion):
     assert ((placed >= 0) & (placed <= 1)).all()
 
 
+@pytest.mark.filterwarnings("error")
 def test_an_object_out_of_the_hands_reach_gets_nothing(hand):
     vertices, field = block((0.0, 5.0))
     placed = well_placed(hand_from_top(hand)[None], "collect", vertices, field, hand, SETTINGS)

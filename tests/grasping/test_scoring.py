@@ -6,13 +6,14 @@ import trimesh
 
 from vh_drake.errors import BadInput
 from vh_drake.grasping.closure_rate import PerturbationSettings
+from vh_drake.grasping.planner_settings import PlannerSettings
+from vh_drake.grasping.planners import plan_candidates
 from vh_drake.grasping.scoring import (
     ScoringSettings,
     rate_candidates,
     score_candidates,
     vertex_certainty,
 )
-from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
 from vh_drake.types import Candidates
 
 PERTURBATION = PerturbationSettings(min_samples=16, max_samples=24)

@@ -72,6 +72,25 @@ def find_grasp(
     return None
 
 
+def release_legs(
+    hand: HandModel, kinematics: ArmKinematics, q: Array, *, rise_m: float = 0.05
+) -> tuple[Leg, ...]:
+    """Legs that let go of what failed, and clear the camera's view.
+
+    Args:
+        hand: that opens.
+        kinematics: of the arm.
+        q: its joint positions now (8,) [rad].
+        rise_m: over where the hand is, before it travels.
+    """
+    X_WH, home = kinematics.pose(q), kinematics.pose(kinematics.home)
+    raised = X_WH.copy()
+    raised[2, 3] += rise_m
+    open_hand = hand.motor_fractions(0.0, 0.0)
+    opened = Leg("open the hand", X_WH, open_hand, 0.8)
+    return (opened, *path(X_WH, [raised, home], ["raise the hand", "back"], open_hand))
+
+
 def approach_poses(
     X_WH: Array,
     motion: str,

@@ -62,6 +62,8 @@ def well_placed(
     outside = (offset < low) | (offset > high)
     first = np.where(outside, np.inf, position).min(axis=1)
     last = np.where(outside, -np.inf, position).max(axis=1)
+    met = first <= last  # else nothing of the object lies in the band
+    first, last = np.where(met, first, 0.0), np.where(met, last, 0.0)
     width, middle = last - first, (first + last) / 2
     wanted = settings.collect_along_m if motion == "collect" else settings.side_along_m
     fit = _bell(middle - wanted, settings.along_std_m)
@@ -70,7 +72,8 @@ def well_placed(
     if motion == "collect":
         center = (beside * (field.center - p_WTcp)).sum(axis=1)
         fit *= _bell(center - settings.collect_beside_m, settings.beside_std_m)
-    return np.nan_to_num(fit, nan=0.0, posinf=0.0, neginf=0.0)
+    placed: Array = np.where(met, fit, 0.0)
+    return placed
 
 
 def narrowest(vertices: Array, up: Array) -> float:
@@ -99,6 +102,5 @@ def _directions(
 
 
 def _bell(x: Array, std: float) -> Array:
-    with np.errstate(over="ignore", invalid="ignore"):
-        bell: Array = np.exp(-((x / std) ** 2) / 2)
+    bell: Array = np.exp(-((x / std) ** 2) / 2)
     return bell

@@ -10,14 +10,18 @@ import dataclasses as dc
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import interp1d
 
 from vh_drake.errors import BadInput
+from vh_drake.grasping.bunch_paths import BunchPaths, bunch_paths
+from vh_drake.grasping.bunches import Bunches, bunches_of
+from vh_drake.hand.kinematics import link_poses
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array
 
-MOTIONS = ("collect", "side")
+MOTIONS = ("collect", "side", "free")
 _SHORTEST_LINE_M = 0.06
-_MARGIN = 1.1  # on speeds that are sampled at the knots
+_FINER = 4  # paths of fingertips between two knots leave a straight line by at most 0.1 mm then
 
 
 @dc.dataclass
@@ -37,9 +41,11 @@ class MotionArrays(NamedTuple):
 
     X_H0H: Array  # (k, 3, 4) hand in its start pose
     angles: Array  # (k, n) free-space joint angles
-    hand_speed: Array  # (m,) bound on each sphere's speed by the hand's motion [m per unit time]
-    joint_rate: Array  # (n,) largest joint speeds [rad per unit time]
     moving: bool  # whether the hand moves at all
+    bunches: Bunches  # of the hand's m spheres
+    paths: BunchPaths  # of these at the k times
+    open_ball: Array  # (b, 3) where the bunches' balls are on the open hand, in H [m]
+    open_sphere: Array  # (m, 3) and its spheres
 
 
 def side_motion(hand: HandModel) -> MotionArrays:
@@ -128,19 +134,26 @@ def motion_of(name: str, hand: HandModel, collect: CollectSettings) -> MotionArr
 
 
 def _motion(hand: HandModel, X_H0H: Array, angles: Array) -> MotionArrays:
-    steps = len(angles) - 1
-    centers = np.array([hand.spheres(q)[0] for q in angles])
-    change = np.diff(X_H0H, axis=0) * steps
-    speeds = [
-        np.linalg.norm(p @ dX[:, :3].T + dX[:, 3], axis=1)
-        for dX, at in zip(change, range(steps), strict=True)
-        for p in (centers[at], centers[at + 1])
-    ]
-    hand_speed = _MARGIN * np.max(speeds, axis=0)
+    """The motion through knots, at finer times, so that spheres go straight between them."""
+    knots = np.arange(len(angles))
+    times = np.linspace(0, knots[-1], _FINER * knots[-1] + 1)
+    poses = interp1d(knots, X_H0H, axis=0)(times)
+    fine = np.ascontiguousarray(interp1d(knots, angles, axis=0)(times))
+    bunches = bunches_of(hand.arrays)
+    X_HB = link_poses(hand.arrays, np.eye(4), fine[0])[bunches.link]
+    X_HS = np.repeat(X_HB, np.diff(bunches.first_sphere), axis=0)
     return MotionArrays(
-        X_H0H=np.ascontiguousarray(X_H0H),
-        angles=angles,
-        hand_speed=hand_speed,
-        joint_rate=np.abs(np.diff(angles, axis=0)).max(axis=0) * steps,
-        moving=bool(hand_speed.max() > 1e-9),
+        X_H0H=np.ascontiguousarray(poses),
+        angles=fine,
+        moving=bool(np.ptp(X_H0H, axis=0).max() > 1e-9),
+        bunches=bunches,
+        paths=bunch_paths(hand.arrays, bunches, poses, fine),
+        open_ball=_placed(X_HB, bunches.ball_center),
+        open_sphere=_placed(X_HS, bunches.sphere_center),
     )
+
+
+def _placed(X: Array, p: Array) -> Array:
+    """Points (n, 3), each in a frame of its own X (n, 3, 4)."""
+    placed: Array = np.einsum("nij,nj->ni", X[..., :3], p) + X[..., 3]
+    return placed

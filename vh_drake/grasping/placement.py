@@ -3,10 +3,10 @@
 import numpy as np
 from numba import njit
 
-from vh_drake.grasping.closing import above_table, advance, new_state, open_clearance
 from vh_drake.grasping.field import FieldArrays, ObjectField
 from vh_drake.grasping.motions import MotionArrays
-from vh_drake.hand.kinematics import HandArrays, copy_pose
+from vh_drake.grasping.open_hand import above_table, advance, is_free
+from vh_drake.hand.kinematics import copy_pose
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array
 
@@ -21,7 +21,7 @@ def free_lift(
     In steps of 5 mm; NaN where `highest_m` is not enough [m].
     """
     poses = np.ascontiguousarray(X_WH[:, :3], np.float64)
-    lifts: Array = _free_lifts(hand.arrays, field.arrays, motion, poses, highest_m)
+    lifts: Array = _free_lifts(field.arrays, motion, poses, highest_m)
     return lifts
 
 
@@ -39,17 +39,14 @@ def way_to_contact(
     NaN where the start is in collision with object or table, or nothing is met.
     """
     poses = np.ascontiguousarray(X_WH[:, :3], np.float64)
-    ways: Array = _ways(
-        hand.arrays, field.arrays, motion, poses, np.asarray(direction, np.float64), farthest_m
-    )
+    toward = np.asarray(direction, np.float64)
+    ways: Array = _ways(field.arrays, motion, poses, toward, farthest_m)
     return ways
 
 
 @njit(cache=True)
-def _free_lifts(
-    hand: HandArrays, field: FieldArrays, motion: MotionArrays, X_WH: Array, highest: float
-) -> Array:
-    state, pose = new_state(hand), np.empty((3, 4))
+def _free_lifts(field: FieldArrays, motion: MotionArrays, X_WH: Array, highest: float) -> Array:
+    pose = np.empty((3, 4))
     result = np.full(len(X_WH), np.nan)
     for i in range(len(X_WH)):
         lift = 0.0
@@ -57,8 +54,8 @@ def _free_lifts(
             copy_pose(X_WH[i], pose)
             for k in range(3):
                 pose[k, 3] += lift * field.table[k]
-            if open_clearance(hand, field, motion, pose, state) > 0:
-                if above_table(hand, field, motion, pose, state):
+            if is_free(field, motion, pose, 0.0):
+                if above_table(field, motion, pose):
                     result[i] = lift
                 break
             lift += _STEP_M
@@ -67,18 +64,16 @@ def _free_lifts(
 
 @njit(cache=True)
 def _ways(
-    hand: HandArrays,
     field: FieldArrays,
     motion: MotionArrays,
     X_WH: Array,
     direction: Array,
     farthest: float,
 ) -> Array:
-    state = new_state(hand)
     result = np.full(len(X_WH), np.nan)
     for i in range(len(X_WH)):
-        if above_table(hand, field, motion, X_WH[i], state):
-            way = advance(hand, field, motion, X_WH[i], direction, farthest, state)
+        if above_table(field, motion, X_WH[i]):
+            way = advance(field, motion, X_WH[i], direction, farthest)
             if 0 <= way < farthest:
                 result[i] = way
     return result

@@ -28,6 +28,8 @@ class GraspRecord(Immutable):
     score: float
     rank: int  # how many better rated candidates the arm could not reach
     candidates: dict[str, int]  # number by planner
+    held: bool | None = None  # what the robot feels; None while it tries
+    weight_n: float = 0.0  # that the wrist felt at the end
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -39,3 +41,8 @@ class Story(Immutable):
     grasps: tuple[GraspRecord, ...] = ()
     finished: bool = False
     failure: str = ""  # why it gave up; empty while running and after a tried grasp
+
+    def with_outcome(self, *, held: bool, weight_n: float) -> "Story":
+        """The story after its last grasp."""
+        last = dc.replace(self.grasps[-1], held=held, weight_n=weight_n)
+        return dc.replace(self, grasps=(*self.grasps[:-1], last))
