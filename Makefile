@@ -26,7 +26,7 @@ $(STAMP): pyproject.toml constraints.txt tools/check_system.py
 	$(PIP) install -q --no-compile --retries 1 --timeout 20 -c constraints.txt \
 	  --extra-index-url $(TORCH_CPU_INDEX) "torch==$(TORCH)+cpu" 2>/dev/null \
 	  || $(PIP) install -q --no-compile -c constraints.txt "torch==$(TORCH)"
-	$(PIP) install -q --no-compile -c constraints.txt -e ".[visuals,test,notebooks,docs]"
+	$(PIP) install -q --no-compile -c constraints.txt -e ".[visuals,test,notebooks,docs,bench,distributed]"
 	@# A first run would compile for a minute; what fails here, `vh-drake doctor` explains.
 	-$(BIN)/python -m vh_drake.experiments.warm
 	@touch $@

@@ -8,13 +8,17 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, State
 
 from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.exploration.planar_registration import registered
 from vh_drake.exploration.touch_motion import TouchMotion, TouchMotionSettings, find_touch
-from vh_drake.grasping.approach import GraspMotionSettings, find_grasp
+from vh_drake.grasping.approach import GraspMotionSettings, find_grasp, release_legs
+from vh_drake.grasping.experience import discounts
 from vh_drake.grasping.story import GraspRecord, Story, TouchRecord
 from vh_drake.hand.clearance import obstacles
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress
+from vh_drake.systems.grasp_scorer import ranking
 from vh_drake.types import (
+    Array,
     Candidates,
     ContactSet,
     GraspScores,
@@ -32,7 +36,12 @@ class BehaviourSettings:
 
     touches: int = 1
     missed_touches: int = 3  # that are borne before the plan goes on without
+    feel_s: float = 0.12  # for which the finger rests where it touched
+    attempts: int = 1  # grasps
     look_after_s: float = 0.1  # the arm has come to rest
+    least_weight_n: float = 0.12  # that the wrist feels while something is held
+    lost_after: int = 10  # updates in a row without it
+    same_place_m: float = 0.005  # largest misfit of a new look that keeps what was felt
     touch: TouchMotionSettings = dc.field(default_factory=TouchMotionSettings)
     grasp: GraspMotionSettings = dc.field(default_factory=GraspMotionSettings)
 
@@ -46,6 +55,10 @@ class _Mind(Immutable):
     contacts: ContactSet = dc.field(default_factory=ContactSet)
     program: MotionProgram = dc.field(default_factory=MotionProgram)
     touch: TouchMotion | None = None
+    touched_s: float | None = None  # when the finger came to rest
+    touches_before: int = 0  # of the story, before the last look
+    failed: tuple[tuple[Array, str], ...] = ()  # hand poses and motions that did not hold it
+    unloaded: int = 0  # updates in a row in which the lifting hand carried nothing
     surface_request: int = 0
     touch_request: int = 0
     grasp_request: int = 0
@@ -83,6 +96,7 @@ class Behaviour(LeafSystem):
         - grasp_served
         - progress
         - contact_point
+        - force
         - joint_state
         output_ports:
         - view
@@ -108,8 +122,9 @@ class Behaviour(LeafSystem):
     | grasp_served    | in        | vector (1)    | -    | id of the request they answer         |
     | progress        | in        | Progress      | -    | of the executor                       |
     | contact_point   | in        | ContactSet    | m    | felt since the last tare              |
+    | force           | in        | vector (3)    | N    | on the hand, in W                     |
     | joint_state     | in        | vector (16)   | rad  | commanded to the arm                  |
-    | view            | out       | ObjectView    | m    | the look that everything is based on  |
+    | view            | out       | ObjectView    | m    | the last look                         |
     | contacts        | out       | ContactSet    | m    | felt so far                           |
     | surface_request | out       | vector (1)    | -    | a new id asks for an estimate         |
     | touch_request   | out       | vector (1)    | -    | a new id asks for touch plans         |
@@ -150,6 +165,7 @@ class Behaviour(LeafSystem):
             ("surface_served", 1),
             ("touch_served", 1),
             ("grasp_served", 1),
+            ("force", 3),
             ("joint_state", 16),
         ):
             self._inputs[name] = self.DeclareVectorInputPort(name, size)
@@ -208,19 +224,36 @@ class Behaviour(LeafSystem):
             "retreat": self._retreat,
             "plan grasps": self._plan_grasps,
             "grasp": self._grasp,
+            "let go": self._let_go,
         }.get(mind.story.phase)
         if step is not None and (after := step(context, mind)) is not mind:
             state.get_mutable_abstract_state(0).set_value(after)
 
     def _look(self, context: Context, mind: _Mind) -> _Mind:
-        """S1: one look, kept for the whole trial."""
+        """S1: a look, kept until the next attempt."""
         if context.get_time() < self._settings.look_after_s:
             return mind
         status = self._inputs["view_status"].Eval(context)
         if status != "ok":
             return mind.giving_up(str(status))
         view = self._inputs["object_view"].Eval(context)
+        if mind.story.grasps:
+            mind = self._corrected(context, mind, view)
         return self._estimating(dc.replace(mind, view=view))
+
+    def _corrected(self, context: Context, mind: _Mind, view: ObjectView) -> _Mind:
+        """What was learnt moves with the object, or is forgotten where that tipped or rolled."""
+        scene = obstacles(self._inputs["surface"].Eval(context), view.table)
+        motion = registered(scene.distance, view.p_WO, view.table)
+        if motion.error_m > self._settings.same_place_m:
+            before = len(mind.story.touches)
+            return dc.replace(mind, contacts=ContactSet(), failed=(), touches_before=before)
+        X = motion.X_NewOld
+        contacts = ContactSet(
+            mind.contacts.p_WC @ X[:3, :3].T + X[:3, 3], mind.contacts.n_WC @ X[:3, :3].T
+        )
+        failed = tuple((X @ X_WH, name) for X_WH, name in mind.failed)
+        return dc.replace(mind, contacts=contacts, failed=failed)
 
     def _estimating(self, mind: _Mind) -> _Mind:
         asked = dc.replace(mind, surface_request=mind.surface_request + 1)
@@ -234,8 +267,9 @@ class Behaviour(LeafSystem):
             return mind.giving_up(
                 f"no surface could be estimated from {len(mind.view.p_WO)} points of the object"
             )
-        missed = sum(not record.felt for record in mind.story.touches)
-        felt = len(mind.story.touches) - missed
+        touches = mind.story.touches[mind.touches_before :]
+        missed = sum(not record.felt for record in touches)
+        felt = len(touches) - missed
         if felt < self._settings.touches and missed < self._settings.missed_touches:
             asked = dc.replace(mind, touch_request=mind.touch_request + 1)
             return asked.entering("plan a touch")
@@ -272,6 +306,11 @@ class Behaviour(LeafSystem):
         progress: Progress = self._inputs["progress"].Eval(context)
         if progress.done < mind.program.id:
             return mind
+        now = context.get_time()
+        if progress.felt and mind.touched_s is None:
+            return dc.replace(mind, touched_s=now)
+        if mind.touched_s is not None and now < mind.touched_s + self._settings.feel_s:
+            return mind
         touch = mind.touch
         assert touch is not None
         felt: ContactSet = self._inputs["contact_point"].Eval(context)
@@ -280,7 +319,7 @@ class Behaviour(LeafSystem):
             record = dc.replace(record, felt=True, p_WC=felt.p_WC[0], n_WC=felt.n_WC[0])
             mind = dc.replace(mind, contacts=mind.contacts.with_contact(record.p_WC, record.n_WC))
         story = dc.replace(mind.story, touches=(*mind.story.touches, record))
-        mind = dc.replace(mind, story=story)
+        mind = dc.replace(mind, story=story, touched_s=None)
         return mind.moving(touch.retreat).entering("retreat")
 
     def _retreat(self, context: Context, mind: _Mind) -> _Mind:
@@ -294,11 +333,15 @@ class Behaviour(LeafSystem):
         candidates: Candidates = self._inputs["candidates"].Eval(context)
         if len(candidates) == 0:
             return mind.giving_up("no grasp was found on the estimated surface")
-        ranking = self._inputs["ranking"].Eval(context)
+        scores: GraspScores = self._inputs["scores"].Eval(context)
+        order = self._inputs["ranking"].Eval(context)
+        if mind.failed:
+            worth = scores.score * discounts(candidates, mind.failed)
+            order = ranking(dc.replace(scores, score=worth))
         scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
         q = self._inputs["joint_state"].Eval(context)[:8]
         found = find_grasp(
-            candidates, ranking, scene, self._hand, self._kinematics, q, self._settings.grasp
+            candidates, order, scene, self._hand, self._kinematics, q, self._settings.grasp
         )
         if found is None:
             return mind.giving_up(
@@ -310,24 +353,51 @@ class Behaviour(LeafSystem):
             X_WH=candidates.X_WH[index],
             motion=candidates.motion[index],
             planner=candidates.planner[index],
-            score=float(self._inputs["scores"].Eval(context).score[index]),
-            rank=list(ranking).index(index),
+            score=float(scores.score[index]),
+            rank=list(order).index(index),
             candidates=dict(Counter(candidates.planner)),
         )
         story = dc.replace(mind.story, grasps=(*mind.story.grasps, record))
         return dc.replace(mind, story=story).moving(legs).entering("grasp")
 
     def _grasp(self, context: Context, mind: _Mind) -> _Mind:
-        """S6: until the object was held up."""
+        """S6: until the object was held up, or the hand has lost it."""
         progress: Progress = self._inputs["progress"].Eval(context)
-        if progress.done < mind.program.id:
+        weight = -float(self._inputs["force"].Eval(context)[2])
+        carried = weight > self._settings.least_weight_n
+        if progress.done >= mind.program.id:
+            return self._held(mind, weight) if carried else self._lost(context, mind)
+        if progress.leg != "hold":
             return mind
-        return dc.replace(mind, story=dc.replace(mind.story, phase="done", finished=True))
+        unloaded = 0 if carried else mind.unloaded + 1
+        if unloaded >= self._settings.lost_after:
+            return self._lost(context, mind)
+        return mind if unloaded == mind.unloaded else dc.replace(mind, unloaded=unloaded)
+
+    def _held(self, mind: _Mind, weight_n: float) -> _Mind:
+        story = mind.story.with_outcome(held=True, weight_n=weight_n)
+        return dc.replace(mind, story=dc.replace(story, phase="done", finished=True))
+
+    def _lost(self, context: Context, mind: _Mind) -> _Mind:
+        """The wrist feels no weight: let go, look again, and grasp otherwise."""
+        story = mind.story.with_outcome(held=False, weight_n=0.0)
+        if len(story.grasps) >= self._settings.attempts:
+            return dc.replace(mind, story=dc.replace(story, phase="done", finished=True))
+        grasp = story.grasps[-1]
+        q = self._inputs["joint_state"].Eval(context)[:8]
+        legs = release_legs(self._hand, self._kinematics, q)
+        failed = (*mind.failed, (grasp.X_WH, grasp.motion))
+        mind = dc.replace(mind, story=story, failed=failed, unloaded=0)
+        return mind.moving(legs).entering("let go")
+
+    def _let_go(self, context: Context, mind: _Mind) -> _Mind:
+        progress: Progress = self._inputs["progress"].Eval(context)
+        return mind if progress.done < mind.program.id else mind.entering("look")
 
     def _calc_phase(self, context: Context, output: Value) -> None:
         mind = self._mind(context)
         progress: Progress = self._inputs["progress"].Eval(context)
-        moving = mind.story.phase in ("touch", "retreat", "grasp") and progress.leg
+        moving = mind.story.phase in ("touch", "retreat", "grasp", "let go") and progress.leg
         output.set_value(f"{mind.story.phase}: {progress.leg}" if moving else mind.story.phase)
 
     def _calc_request(self, context: Context, output: BasicVector, name: str) -> None:

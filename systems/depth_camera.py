@@ -40,15 +40,22 @@ class DepthCamera(LeafSystem):
         intrinsics: the camera.
         settings: the noise model's knobs.
         seed: of the noise.
+        X_CBelieved: where the calibration puts the camera, in its true frame; exactly there
+            unless given.
     """
 
     def __init__(
-        self, intrinsics: Intrinsics, settings: DepthNoiseSettings | None = None, seed: int = 0
+        self,
+        intrinsics: Intrinsics,
+        settings: DepthNoiseSettings | None = None,
+        seed: int = 0,
+        X_CBelieved: RigidTransform | None = None,
     ) -> None:
         super().__init__()
         self._intrinsics = intrinsics
         self._settings = settings or DepthNoiseSettings()
         self._seed = seed
+        self._X_CBelieved = RigidTransform() if X_CBelieved is None else X_CBelieved
         blank = ImageDepth32F(intrinsics.width, intrinsics.height)
         self._depth = self.DeclareAbstractInputPort("depth_image", Value(blank))
         self._X_WC = self.DeclareAbstractInputPort("X_WC", Value(RigidTransform()))
@@ -82,5 +89,5 @@ class DepthCamera(LeafSystem):
 
     def _calc_cloud(self, context: Context, output: Value) -> None:
         depth = self._noisy.Eval(context).data[:, :, 0]
-        X_WC = self._X_WC.Eval(context).GetAsMatrix4()
+        X_WC = (self._X_WC.Eval(context) @ self._X_CBelieved).GetAsMatrix4()
         output.set_value(cloud_from_depth(depth, self._intrinsics, X_WC))

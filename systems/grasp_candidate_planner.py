@@ -1,42 +1,45 @@
 """Planning grasp candidates as a LeafSystem."""
 
 from pydrake.common.value import Value
-from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
+from pydrake.systems.framework import Context
 
-from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
+from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.grasping.planner_settings import PlannerSettings
+from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.model import HandModel
+from vh_drake.systems.on_request import PERIOD_S, OnRequest
 from vh_drake.types import Candidates, ObjectView, Surface
 
 
-class GraspCandidatePlanner(LeafSystem):
-    """Proposes grasps on an estimated surface, when asked.
+class GraspCandidatePlanner(OnRequest):
+    """Proposes grasps on an estimated surface by the planners of its settings, when asked.
 
     .. pydrake_system::
 
         name: GraspCandidatePlanner
         input_ports:
+        - request
         - surface
         - object_view
-        - request
         output_ports:
         - candidates
         - served
 
     | port        | direction | type       | unit | meaning                                    |
     |-------------|-----------|------------|------|--------------------------------------------|
+    | request     | in        | vector (1) |      | an id; a new one asks for a plan, 0: no    |
     | surface     | in        | Surface    | m    | the estimate                               |
     | object_view | in        | ObjectView | m    | tells the table                            |
-    | request     | in        | vector (1) |      | an id; a new one asks for a plan, 0: no    |
     | candidates  | out       | Candidates | m    | the last plan, maybe empty                 |
     | served      | out       | vector (1) |      | id of the request that it answers          |
 
-    A request is answered at the next of the periodic looks (an event), which takes the inputs of
-    that instant; the outputs only copy the state. The same inputs give the same plan.
+    The same inputs give the same plan.
 
     Args:
         hand: that shall grasp.
-        settings: of the planner.
-        seed: of its draws.
+        settings: planners and approaches; both planners by default.
+        seed: of all draws.
+        arm: that carries the hand: poses out of its reach are left out. None: any pose will do.
         period_s: between looks at the request.
 
     Raises:
@@ -48,37 +51,20 @@ class GraspCandidatePlanner(LeafSystem):
         hand: HandModel,
         settings: PlannerSettings | None = None,
         seed: int = 0,
-        period_s: float = 0.02,
+        *,
+        arm: ArmKinematics | None = None,
+        period_s: float = PERIOD_S,
     ) -> None:
-        super().__init__()
-        self._hand = hand
+        super().__init__({"candidates": Candidates()}, period_s)
+        self._hand, self._arm = hand, arm
         self._settings = settings or PlannerSettings()
         self._seed = seed
         self._surface = self.DeclareAbstractInputPort("surface", Value[object](Surface()))
         self._view = self.DeclareAbstractInputPort("object_view", Value[object](ObjectView()))
-        self._request = self.DeclareVectorInputPort("request", 1)
-        self._candidates = self.DeclareAbstractState(Value[object](Candidates()))
-        self._served = self.DeclareDiscreteState(1)
-        self.DeclarePeriodicUnrestrictedUpdateEvent(period_s, 0.0, self._serve)
-        self.DeclareStateOutputPort("candidates", self._candidates)
-        self.DeclareVectorOutputPort(
-            "served", 1, self._calc_served, prerequisites_of_calc={self.xd_ticket()}
-        )
 
-    def _serve(self, context: Context, state: State) -> EventStatus:
-        request = self._request.Eval(context)[0]
-        if request in (0.0, context.get_discrete_state(self._served)[0]):
-            return EventStatus.DidNothing()
-        candidates = plan_candidates(
-            self._surface.Eval(context),
-            self._view.Eval(context).table,
-            self._hand,
-            self._settings,
-            self._seed,
+    def answer(self, context: Context) -> tuple[Candidates]:
+        """The plan."""
+        surface, table = self._surface.Eval(context), self._view.Eval(context).table
+        return (
+            plan_candidates(surface, table, self._hand, self._settings, self._seed, arm=self._arm),
         )
-        state.get_mutable_abstract_state(self._candidates).set_value(candidates)
-        state.get_mutable_discrete_state(self._served).set_value([request])
-        return EventStatus.Succeeded()
-
-    def _calc_served(self, context: Context, output: BasicVector) -> None:
-        output[0] = context.get_discrete_state(self._served)[0]

@@ -10,14 +10,25 @@ ROOT = Path(__file__).resolve().parents[1]
 
 # A module may import from its own folder and from earlier rows, never from later ones.
 LAYERS = (
-    ("types", "errors", "yaml_files", "atomic_files"),
+    (
+        "types",
+        "errors",
+        "yaml_files",
+        "atomic_files",
+        "result_files",
+        "reports",
+        "journal",
+        "batch",
+        "catalog",
+    ),
     ("geometry",),
     ("objects", "gpis", "hand", "sensing", "control"),
     ("exploration", "grasping"),
     ("learning",),
     ("systems",),
     ("scenes",),
-    ("experiments", "benches"),
+    ("experiments",),
+    ("benches",),
     ("cli",),
 )
 RANK = {name: rank for rank, row in enumerate(LAYERS) for name in row}

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -17,6 +17,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from vh_drake.errors import BadInput, VhDrakeError
+
+if TYPE_CHECKING:
+    from vh_drake.catalog import Entry, Options
 
 FAILED = 1  # The job ran and failed its aim.
 UNUSABLE_INPUT = 2
@@ -151,7 +154,8 @@ def grasp(
         int | None, typer.Option(min=0, help="Draws pose and noise; 0 unless given.")
     ] = None,
     touches: Annotated[int | None, typer.Option(help="Touches before planning, 0 to 5.")] = None,
-    scorer: Annotated[str | None, typer.Option(help="conventional")] = None,
+    attempts: Annotated[int | None, typer.Option(help="Grasps that may be tried.")] = None,
+    scorer: Annotated[str | None, typer.Option(help="learned or conventional")] = None,
     contact: Annotated[str | None, typer.Option(help="hydroelastic or point")] = None,
     hand: HandOption = "",
     mass: Annotated[float | None, typer.Option(help="Of the object, in kg.")] = None,
@@ -175,6 +179,7 @@ def grasp(
         seed=seed,
         object=object_ or None,
         touches=touches,
+        attempts=attempts,
         scorer=scorer,
         contact=contact,
         hand=hand or None,
@@ -226,3 +231,206 @@ def plan(
             VhDrakeError("no free grasp found; is the object in one piece and its size right?"),
             FAILED,
         )
+
+
+ObjectsOption = Annotated[
+    Path | None, typer.Option("--objects", metavar="DIR", help="Meshes, with or without a table.")
+]
+RunsOption = Annotated[int | None, typer.Option(help="Repetitions of each object or condition.")]
+ScenesOption = Annotated[int | None, typer.Option(help="How many scenes in all.")]
+ContactOption = Annotated[str | None, typer.Option(help="hydroelastic or point")]
+SplitOption = Annotated[str | None, typer.Option(help="Of objects.csv: test or train.")]
+WeightsOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Of the learned metric; the shipped ones else.")
+]
+SeedOption = Annotated[int, typer.Option(help="Of every random choice.")]
+WorkersOption = Annotated[int, typer.Option(help="Processes; 0 takes every core.")]
+OutOption = Annotated[Path | None, typer.Option(metavar="DIR", help="For results; out/NAME else.")]
+
+
+@app.command()
+def reproduce(
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help="None lists them all.")] = "",
+    objects_: ObjectsOption = None,
+    runs: RunsOption = None,
+    scenes: ScenesOption = None,
+    contact: ContactOption = None,
+    split: SplitOption = None,
+    weights: WeightsOption = None,
+    seed: SeedOption = 0,
+    workers: WorkersOption = 0,
+    out: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Reproduce a table or figure of the dissertation, or a table of ours beyond it."""
+    from vh_drake.catalog import REPRODUCTIONS, Options
+
+    options = Options(
+        objects=objects_,
+        runs=runs,
+        scenes=scenes,
+        contact=contact,
+        split=split,
+        weights=weights,
+        seed=seed,
+        workers=workers,
+        out=out or Path("out") / name,
+    )
+    _run_from(REPRODUCTIONS, "reproduction", name, options, as_json)
+
+
+@app.command()
+def bench(
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help="None lists them all.")] = "",
+    runs: RunsOption = None,
+    seed: SeedOption = 0,
+    out: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure speed and agreement beside other implementations, in one run."""
+    from vh_drake.catalog import BENCHES, Options
+
+    options = Options(runs=runs, seed=seed, workers=1, out=out or Path("out") / f"bench-{name}")
+    _run_from(BENCHES, "benchmark", name, options, as_json)
+
+
+def _run_from(
+    entries: "Mapping[str, Entry]", kind: str, name: str, options: "Options", as_json: bool
+) -> None:
+    from vh_drake.catalog import run_entry
+
+    if not name:
+        rows = [{"name": key, "what": entry.help} for key, entry in entries.items()]
+        print_result(rows, as_json=as_json, columns=("name", "what"))
+        return
+    report = run_entry(kind, entries, name, options)
+    if as_json:
+        print(json.dumps(report.content(), indent=2))
+        return
+    summary = [
+        {"metric": key, "value": _number(value), "thesis": _number(report.thesis.get(key))}
+        for key, value in report.summary.items()
+    ]
+    print_result(summary, as_json=False, columns=("metric", "value", "thesis"))
+    print(f"files in {options.out}")
+
+
+def _number(value: Any) -> Any:
+    return f"{value:.4g}" if isinstance(value, float) else value
+
+
+dataset = typer.Typer(help="Labelled scenes that a grasp metric learns from.", no_args_is_help=True)
+app.add_typer(dataset, name="dataset")
+
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Of a data set.")]
+
+
+@dataset.command("generate")
+def dataset_generate(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Empty, or half done.")],
+    scenes: Annotated[int, typer.Option(help="How many.")] = 1000,
+    objects_: ObjectsOption = None,
+    shapes: Annotated[int, typer.Option(help="Drawn shapes that come along.")] = 64,
+    library: Annotated[bool, typer.Option(help="Whether embedded objects come along.")] = True,
+    candidates: Annotated[int, typer.Option(help="Of each scene.")] = 160,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="URL", help="Of a Dask cluster, tcp://...")
+    ] = None,
+    seed: SeedOption = 0,
+    workers: WorkersOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Draw scenes, plan grasps and label them; a killed run goes on where it stopped."""
+    from contextlib import nullcontext
+
+    from vh_drake.learning.dataset import dask_executor, generate, make_spec
+    from vh_drake.learning.generating import GeneratorSettings
+
+    spec = make_spec(
+        scenes,
+        folder=objects_,
+        shapes=shapes,
+        library=library,
+        seed=seed,
+        settings=GeneratorSettings(candidates=candidates),
+    )
+    with dask_executor(scheduler) if scheduler else nullcontext() as executor:
+        told = generate(out, spec, workers=workers, executor=executor, title="scenes")
+    _print_facts(told, as_json)
+
+
+@dataset.command("info")
+def dataset_info(folder: FolderArgument, as_json: JsonOption = False) -> None:
+    """Tell how large a data set is and what is in it."""
+    from vh_drake.learning.dataset import info
+
+    _print_facts(info(folder), as_json)
+
+
+@dataset.command("verify")
+def dataset_verify(folder: FolderArgument) -> None:
+    """Check every file of a data set; status 1 where something is wrong."""
+    from vh_drake.learning.dataset import verify
+
+    problems = verify(folder)
+    for problem in problems:
+        print(problem)
+    if problems:
+        raise typer.Exit(FAILED)
+    print(f"{folder}: whole")
+
+
+@app.command()
+def train(
+    data: Annotated[
+        list[Path], typer.Option("--dataset", metavar="DIR", help="One or more data sets.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="For weights and curves.")],
+    epochs: Annotated[int, typer.Option(help="At most.")] = 3,
+    seed: SeedOption = 0,
+    workers: WorkersOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Train the learned grasp metric; a killed run goes on where it stopped."""
+    from vh_drake.learning.train_command import train_metric
+    from vh_drake.learning.training import Round, TrainingSettings
+
+    def tell(done: Round) -> None:
+        print(
+            f"epoch {done.epoch:g}: loss {done.train_loss:.4f}, on held-out objects "
+            f"{done.held_loss:.4f}, ROC area {done.held_auc:.4f}",
+            file=sys.stderr,
+        )
+
+    settings = TrainingSettings(epochs=epochs, seed=seed)
+    metric = train_metric(data, out, settings, workers=workers, tell=tell)
+    _print_facts(metric.card["held_out"], as_json)
+
+
+@app.command()
+def evaluate(
+    data: Annotated[Path, typer.Option("--dataset", metavar="DIR", help="A labelled data set.")],
+    weights: WeightsOption = None,
+    seed: SeedOption = 0,
+    workers: WorkersOption = 0,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="For results.")] = Path("out/evaluate"),
+    as_json: JsonOption = False,
+) -> None:
+    """Compare the learned metric with its baselines on a data set."""
+    from vh_drake.experiments.evaluate_command import evaluate as evaluate_data
+
+    report = evaluate_data(data, weights, out, seed=seed, workers=workers)
+    report.save(out)
+    if as_json:
+        print(json.dumps(report.content(), indent=2))
+    else:
+        _print_facts(report.summary, as_json)
+        print(f"files in {out}")
+
+
+def _print_facts(facts: Mapping[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(dict(facts), indent=2))
+        return
+    rows = [{"what": key, "value": _number(value)} for key, value in facts.items()]
+    print_result(rows, as_json=False, columns=("what", "value"))

@@ -33,5 +33,5 @@ class TooLarge(VhDrakeError):
     """A result is larger than it may be; it was not written."""
 
 
-class Unreachable(VhDrakeError):
-    """The arm can't take the pose; the command line exits with status 1."""
+class NoGraspTried(VhDrakeError):
+    """A trial ended before any grasp; the command line exits with status 1."""

@@ -15,6 +15,7 @@ def done(*, lifted: bool, warnings: tuple[str, ...] = ()) -> TrialResult:
         "seed": 0,
         "touches": [],
         "surface_error_mm": None,
+        "attempts": [{}],
         "lifted": lifted,
         "height_m": 0.15,
         "hold_s": 3.0,

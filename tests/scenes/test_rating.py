@@ -1,21 +1,93 @@
+import dataclasses as dc
+
 import numpy as np
+import pytest
+import torch
 from scenery import can_surface, can_view, right_hand
 
+from vh_drake.gpis.surface import estimate_surface
 from vh_drake.grasping.closure_rate import PerturbationSettings
-from vh_drake.grasping.scoring import ScoringSettings, score_candidates
-from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
-from vh_drake.scenes.rating import conventional_scorer
+from vh_drake.grasping.planner_settings import PlannerSettings
+from vh_drake.grasping.planners import plan_candidates
+from vh_drake.grasping.scoring import ScoringSettings, rate_candidates, score_candidates
+from vh_drake.learning.calibration import Calibration
+from vh_drake.learning.metric import GraspMetric, load_metric
+from vh_drake.learning.network import GraspNetwork
+from vh_drake.scenes.rating import conventional_scorer, learned_scorer, make_scorer
+from vh_drake.types import Candidates, ContactSet
 
-SETTINGS = ScoringSettings(perturbation=PerturbationSettings(min_samples=8, max_samples=12))
+SETTINGS = ScoringSettings(perturbation=PerturbationSettings(min_samples=8, max_samples=8))
+NONE = ContactSet()
 
 
-def test_the_conventional_scorer_rates_on_the_seen_table_with_its_seed():
+@pytest.fixture(scope="module")
+def estimate():
+    return estimate_surface(can_view(), NONE)
+
+
+@pytest.fixture(scope="module")
+def candidates(estimate):
+    settings = PlannerSettings(candidates=16, draws=60, rounds=2)
+    return plan_candidates(estimate, can_view().table, right_hand(), settings, 0)
+
+
+@pytest.fixture(scope="module")
+def untrained():
+    torch.manual_seed(0)
+    card = {"hand": right_hand().description.name}
+    return GraspMetric(GraspNetwork().eval(), Calibration(), Calibration(), card)
+
+
+def test_the_conventional_scorer_rates_on_the_seen_table_with_its_seed(candidates):
     hand, surface, view = right_hand(), can_surface(), can_view()
-    candidates = plan_candidates(
-        surface, view.table, hand, PlannerSettings(candidates=10, draws=60), 0
-    )
-    scores = conventional_scorer(hand, 7, SETTINGS)(candidates, surface, view)
+    scores = conventional_scorer(hand, 7, SETTINGS)(candidates, surface, view, NONE)
     direct = score_candidates(candidates, surface, view.table, hand, SETTINGS, 7)
     np.testing.assert_array_equal(scores.score, direct.score)
     np.testing.assert_array_equal(scores.standard_error, direct.standard_error)
     assert len(scores.score) == len(candidates)
+
+
+def test_learned_scores_keep_what_is_known_of_lying_well_in_the_hand(
+    candidates, estimate, untrained
+):
+    hand, view = right_hand(), can_view()
+    sure = dc.replace(untrained, calibration=Calibration(slope=0.0, offset=50.0))
+    scores = learned_scorer(sure, hand, 3)(candidates, estimate, view, NONE)
+    rating = rate_candidates(candidates, estimate, view.table, hand, SETTINGS, 3)
+    sense = rating.centered * rating.held * rating.placed
+    np.testing.assert_allclose(scores.score, sense, atol=1e-6)
+
+
+def test_the_same_seed_gives_the_same_learned_scores(candidates, estimate, untrained):
+    score = learned_scorer(untrained, right_hand(), 3)
+    first, again = (score(candidates, estimate, can_view(), NONE) for _ in range(2))
+    np.testing.assert_array_equal(first.score, again.score)
+    np.testing.assert_array_equal(first.standard_error, again.standard_error)
+    assert (first.score >= 0).all()
+    assert (first.score <= 1).all()
+    assert first.standard_error.max() > 0
+
+
+def test_no_candidates_give_no_scores(estimate, untrained):
+    scores = learned_scorer(untrained, right_hand(), 0)(Candidates(), estimate, can_view(), NONE)
+    assert len(scores.score) == 0
+
+
+def test_a_touch_changes_what_the_learned_metric_says(candidates, estimate, untrained):
+    score = learned_scorer(untrained, right_hand(), 3)
+    touched = ContactSet(np.array([[0.745, -0.3, 0.95]]), np.array([[1.0, 0.0, 0.0]]))
+    before = score(candidates, estimate, can_view(), NONE)
+    after = score(candidates, estimate, can_view(), touched)
+    assert not np.array_equal(before.score, after.score)
+
+
+def test_a_hand_that_the_metric_never_learnt_with_is_rated_conventionally(candidates, estimate):
+    hand = right_hand()
+    foreign = dc.replace(hand, description=dc.replace(hand.description, name="another"))
+    assert load_metric().card["hand"] == hand.description.name
+    view = can_view()
+    scores = make_scorer("learned", foreign, 1)(candidates, estimate, view, NONE)
+    same = make_scorer("conventional", foreign, 1)(candidates, estimate, view, NONE)
+    np.testing.assert_array_equal(scores.score, same.score)
+    learned = make_scorer("learned", hand, 1)(candidates, estimate, view, NONE)
+    assert not np.array_equal(learned.score, same.score)

@@ -25,7 +25,7 @@ def numbers(value, prefix=""):
         inner = getattr(value, field.name)
         if dc.is_dataclass(inner):
             names += numbers(inner, f"{prefix}{field.name}.")
-        elif field.name == "mass_kg" or type(inner) in (int, float):
+        elif inner is None or type(inner) in (int, float):
             names.append(prefix + field.name)
     return names
 

@@ -1,15 +1,19 @@
+from collections import Counter
+
 import numpy as np
 import pytest
 from leaf import Leaf
 from scenery import can_surface, can_view, right_arm, right_hand, touch_of_the_can
 
-from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
+from vh_drake.grasping.planner_settings import PlannerSettings
+from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.program import Progress
 from vh_drake.systems.behaviour import PERIOD_S, Behaviour, BehaviourSettings
 from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface
 
 BACK = touch_of_the_can(0.0)
 SIDE = touch_of_the_can(0.5 * np.pi)
+CARRIED, EMPTY = np.array([0.1, 0.0, -2.0]), np.array([0.1, 0.05, -0.02])  # [N]
 FELT = ContactSet(np.array([[0.741, -0.3, 0.97]]), np.array([[1.0, 0.0, 0.0]]))
 
 
@@ -20,7 +24,7 @@ def candidates():
     return plan_candidates(can_surface(), view.table, right_hand(), settings, 0)
 
 
-def behaviour(*, caching=True, system=None, touches=1, **inputs):
+def behaviour(*, caching=True, system=None, touches=1, attempts=1, **inputs):
     """One that has not looked yet."""
     given = {
         "object_view": can_view(),
@@ -35,9 +39,11 @@ def behaviour(*, caching=True, system=None, touches=1, **inputs):
         "grasp_served": 0,
         "progress": Progress(),
         "contact_point": ContactSet(),
+        "force": CARRIED,
         "joint_state": np.concatenate([right_arm().home, np.zeros(8)]),
     }
-    system = system or Behaviour(right_hand(), right_arm(), BehaviourSettings(touches=touches))
+    settings = BehaviourSettings(touches=touches, attempts=attempts)
+    system = system or Behaviour(right_hand(), right_arm(), settings)
     leaf = Leaf(system, caching=caching, **(given | inputs))
     return leaf.advance(PERIOD_S / 2)
 
@@ -65,6 +71,9 @@ def end_touch(leaf, *, felt):
     """The executor reports the end of the touch, then that of the retreat."""
     program = leaf.get("program").id
     step(leaf, progress=Progress(program, "", felt), contact_point=FELT if felt else ContactSet())
+    if felt:
+        assert leaf.get("story").phase == "touch"  # It rests where it touched.
+        leaf.advance(BehaviourSettings().feel_s + PERIOD_S)
     assert leaf.get("story").phase == "retreat"
     assert leaf.get("program").id == program + 1
     step(leaf, progress=Progress(program + 1))
@@ -169,6 +178,7 @@ def test_a_contact_flag_without_a_place_counts_as_missed():
     leaf = touching()
     program = leaf.get("program").id
     step(leaf, progress=Progress(program, "", True), contact_point=ContactSet())
+    leaf.advance(BehaviourSettings().feel_s + PERIOD_S)
     assert not leaf.get("story").touches[0].felt
 
 
@@ -188,7 +198,7 @@ def test_the_best_ranked_grasp_in_reach_is_executed_and_reported(candidates):
     assert record.rank > 0  # The first is out of reach.
     assert record.score == pytest.approx(score[index])
     np.testing.assert_array_equal(record.X_WH, far.X_WH[index])
-    assert record.candidates == {"surface": len(far)}
+    assert record.candidates == dict(Counter(far.planner))
     program = leaf.get("program")
     assert [leg.name for leg in program.legs][-2:] == ["lift", "hold"]
     assert step(leaf, progress=Progress(program.id - 1, "lift")) == "grasp"
@@ -230,3 +240,94 @@ def test_a_finished_story_stays_as_it_is():
     story = leaf.get("story")
     leaf.fix(view_status="ok").advance(0.5)
     assert leaf.get("story") is story
+
+
+def grasping(candidates, **inputs):
+    """One whose first grasp is under way."""
+    leaf = looked(touches=0, **inputs)
+    step(leaf, surface_served=1)
+    rated = {
+        "candidates": candidates,
+        "scores": GraspScores(np.linspace(1.0, 0.9, len(candidates))),
+        "ranking": tuple(range(len(candidates))),
+    }
+    assert step(leaf, grasp_served=1, **rated) == "grasp"
+    return leaf
+
+
+def test_a_hand_that_feels_the_weight_at_the_end_holds_the_object(candidates):
+    leaf = grasping(candidates, attempts=3)
+    assert step(leaf, progress=Progress(leaf.get("program").id)) == "done"
+    (grasp,) = leaf.get("story").grasps
+    assert grasp.held
+    assert grasp.weight_n == pytest.approx(2.0)
+
+
+def test_an_empty_hand_lets_go_looks_again_and_grasps_elsewhere(candidates):
+    leaf = grasping(candidates, attempts=3)
+    program = leaf.get("program").id
+    assert step(leaf, progress=Progress(program), force=EMPTY) == "let go"
+    released = leaf.get("program")
+    assert released.id == program + 1
+    assert released.legs[0].name == "open the hand"
+    assert all(np.all(leg.motors == 0) for leg in released.legs)
+    home = right_arm().pose(right_arm().home)
+    np.testing.assert_allclose(released.legs[-1].X_WH, home)
+    assert step(leaf, progress=Progress(program + 1)) == "look"
+    assert step(leaf) == "estimate"
+    assert step(leaf, surface_served=2) == "plan grasps"
+    assert step(leaf, grasp_served=2, progress=Progress(program + 1)) == "grasp"
+    first, second = leaf.get("story").grasps
+    assert first.held is False
+    assert second.held is None
+    assert not np.allclose(first.X_WH, second.X_WH)
+
+
+def test_a_hand_that_loses_the_object_while_it_holds_does_not_wait_for_the_end(candidates):
+    leaf = grasping(candidates, attempts=2)
+    holding = Progress(leaf.get("program").id - 1, "hold")
+    for _ in range(BehaviourSettings().lost_after - 1):
+        assert step(leaf, progress=holding, force=EMPTY) == "grasp"
+    assert step(leaf, progress=holding, force=EMPTY) == "let go"
+
+
+def test_a_short_jolt_is_no_loss(candidates):
+    leaf = grasping(candidates, attempts=2)
+    holding = Progress(leaf.get("program").id - 1, "hold")
+    for force in [EMPTY] * 6 + [CARRIED] + [EMPTY] * 6:
+        assert step(leaf, progress=holding, force=force) == "grasp"
+
+
+def test_the_last_attempt_ends_the_trial(candidates):
+    leaf = grasping(candidates, attempts=1)
+    assert step(leaf, progress=Progress(leaf.get("program").id), force=EMPTY) == "done"
+    assert leaf.get("story").grasps[0].held is False
+
+
+@pytest.mark.parametrize(("shift_m", "kept"), [(0.03, 1), (None, 0)])
+def test_what_was_felt_moves_with_the_object_or_is_forgotten(candidates, shift_m, kept):
+    leaf = touching(attempts=2)
+    end_touch(leaf, felt=True)
+    rated = {
+        "candidates": candidates,
+        "scores": GraspScores(np.ones(len(candidates))),
+        "ranking": tuple(range(len(candidates))),
+    }
+    step(leaf, surface_served=2)
+    step(leaf, grasp_served=1, **rated)
+    view = can_view()
+    if shift_m is None:  # It lies now.
+        middle = np.array([0.7, -0.3, 0.97])
+        points = (view.p_WO - middle)[:, [0, 2, 1]] + middle - [0.0, 0.0, 0.03]
+    else:
+        points = view.p_WO + np.array([shift_m, 0.0, 0.0])
+    leaf.fix(object_view=ObjectView(points, view.n_WO, view.table, view.p_WCamera))
+    program = leaf.get("program").id
+    step(leaf, progress=Progress(program), force=EMPTY)
+    step(leaf, progress=Progress(program + 1))
+    step(leaf)
+    contacts = leaf.get("contacts")
+    assert len(contacts) == kept
+    if kept:
+        np.testing.assert_allclose(contacts.p_WC, FELT.p_WC + np.array([shift_m, 0, 0]), atol=4e-3)
+    assert step(leaf, surface_served=3) == ("plan grasps" if kept else "plan a touch")

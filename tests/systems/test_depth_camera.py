@@ -76,3 +76,11 @@ def test_an_image_of_another_size_is_refused():
     camera = DepthCamera(Intrinsics.from_fov(32, 24, 0.8))
     with pytest.raises(BadInput, match="48 x 64 pixels"):
         cloud(camera, context_at(camera))
+
+
+def test_a_wrong_calibration_moves_the_whole_cloud():
+    believed = RigidTransform(RollPitchYaw(0.02, -0.01, 0.03), [0.004, -0.002, 0.006])
+    exact, wrong = (DepthCamera(PINHOLE, seed=1, X_CBelieved=X) for X in (None, believed))
+    p, q = (cloud(camera, context_at(camera)) for camera in (exact, wrong))
+    moved = X_WC @ believed @ X_WC.inverse()
+    np.testing.assert_allclose(q.p_WC, (moved @ p.p_WC.T).T, atol=1e-6)

@@ -6,7 +6,8 @@ from pydrake.systems.analysis import Simulator
 
 from vh_drake.errors import BadInput
 from vh_drake.geometry.model_files import models_folder
-from vh_drake.grasping.surface_planner import PlannerSettings, plan_candidates
+from vh_drake.grasping.planner_settings import PlannerSettings
+from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
 from vh_drake.systems.grasp_candidate_planner import GraspCandidatePlanner

@@ -5,13 +5,13 @@ from pydrake.systems.analysis import Simulator
 
 from vh_drake.errors import BadInput
 from vh_drake.systems.grasp_scorer import GraspScorer
-from vh_drake.types import Candidates, GraspScores, ObjectView, Surface
+from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface
 
 CANDIDATES = Candidates(np.tile(np.eye(4), (4, 1, 1)), ("side",) * 4, ("surface",) * 4)
 SCORES = np.array([0.2, 0.9, 0.1, 0.9])
 
 
-def given_scores(candidates, surface, view):
+def given_scores(candidates, surface, view, contacts):
     return GraspScores(SCORES[: len(candidates)], np.full(len(candidates), 0.05))
 
 
@@ -24,6 +24,7 @@ def rated(system, request, *, caching=True):
         ("candidates", CANDIDATES),
         ("surface", Surface()),
         ("object_view", ObjectView()),
+        ("contacts", ContactSet()),
     ):
         system.GetInputPort(name).FixValue(context, Value[object](value))
     system.GetInputPort("request").FixValue(context, [request])
@@ -46,7 +47,7 @@ def test_two_contexts_of_one_scorer_are_independent():
 
 
 def test_a_scorer_that_refuses_its_input_says_so():
-    def refuse(candidates, surface, view):
+    def refuse(candidates, surface, view, contacts):
         raise BadInput("the estimated surface is empty; add points")
 
     with pytest.raises(BadInput, match="surface is empty"):

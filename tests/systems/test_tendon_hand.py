@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from leaf import Leaf
 
+from vh_drake.errors import UnknownName
 from vh_drake.geometry.model_files import models_folder
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
@@ -85,3 +86,34 @@ def test_two_contexts_do_not_touch_each_other():
     still.advance(0.1)
     assert first.get("motor_set_point")[0] > 0.0
     np.testing.assert_array_equal(still.get("motor_set_point"), 0.0)
+
+
+def force_drive(command, pull, travel):
+    return Leaf(
+        TendonHand(HAND, "force"),
+        motor_command=command,
+        motor_state=np.concatenate([travel, [0.0, 0.0]]),
+        motor_force=pull,
+    )
+
+
+def test_force_commands_move_the_set_points_until_the_pulls_agree():
+    travel = np.array([0.02, 0.01])
+    leaf = force_drive((30.0, 5.0), (20.0, 5.0), travel)
+    rows = set_points(leaf, 80)
+    assert (np.diff(rows[:, 0]) >= 0).all()
+    assert (np.diff(rows, axis=0)[:, :2] <= STROKE * PERIOD_S / STROKE_S + 1e-12).all()
+    settled = force_drive((30.0, 5.0), (30.0, 5.0), travel)
+    rows = set_points(settled, 80)
+    np.testing.assert_allclose(rows[-1, :2] - rows[-2, :2], 0.0, atol=1e-12)
+
+
+def test_a_pull_that_can_not_be_reached_does_not_wind_up_the_set_points():
+    travel = np.array([0.02, 0.01])
+    rows = set_points(force_drive((120.0, 120.0), (0.0, 0.0), travel), 400)
+    np.testing.assert_allclose(rows[-1, :2], travel + 0.002, atol=1e-12)
+
+
+def test_an_unknown_kind_of_command_lists_the_choices():
+    with pytest.raises(UnknownName, match="force, position"):
+        TendonHand(HAND, "speed")

@@ -74,6 +74,9 @@ def print_report(done: TrialResult, out: Path, console: Console) -> None:
         console.print(_touch_line(i, touch), highlight=False)
     if result["surface_error_mm"] is not None:
         console.print(f"surface error {result['surface_error_mm']} mm", highlight=False)
+    attempts = result["attempts"]
+    if isinstance(attempts, list) and len(attempts) > 1:
+        console.print(f"{len(attempts)} grasps tried", highlight=False)
     lifted = "lifted and held" if done.lifted else "NOT lifted"
     console.print(
         f"{lifted}: {result['height_m']} m over the table for {result['hold_s']} s, "

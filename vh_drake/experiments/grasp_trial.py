@@ -11,8 +11,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
-from vh_drake.errors import NothingSeen, TooLarge, Unreachable
-from vh_drake.experiments.files import write_json
+from vh_drake.errors import NoGraspTried, TooLarge
 from vh_drake.experiments.judge import (
     Judge,
     TrueTouch,
@@ -20,12 +19,13 @@ from vh_drake.experiments.judge import (
     surface_error_mm,
     touch_report,
 )
-from vh_drake.grasping.story import Story
+from vh_drake.grasping.story import GraspRecord, Story
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
 from vh_drake.hand.shipped import hand_file
 from vh_drake.objects.loading import load_object
 from vh_drake.objects.model import ObjectModel
+from vh_drake.result_files import write_json
 from vh_drake.scenes.decision import Decision, make_decision
 from vh_drake.scenes.placing import draw_object_pose, place_object
 from vh_drake.scenes.recording import start_recording, write_recording
@@ -36,7 +36,7 @@ from vh_drake.scenes.visuo_haptic import join
 from vh_drake.types import Array, ObjectView, Surface
 
 WATCH_S = 0.01
-LONGEST_S = 90.0
+LONGEST_S, LONGEST_ATTEMPT_S = 45.0, 45.0  # simulated: the first look and touch; each attempt
 LIFTED_M = 0.14  # least height of the object's lowest point over the table while held
 HELD_S = 3.0
 
@@ -58,6 +58,14 @@ class TrialResult:
 
 
 @dc.dataclass
+class _Hold:
+    """The object while the lifted hand stands still."""
+
+    heights_m: list[float] = dc.field(default_factory=list)
+    X_HO: list[RigidTransform] = dc.field(default_factory=list)
+
+
+@dc.dataclass
 class _Watch:
     """What the judge noted on the way."""
 
@@ -67,9 +75,7 @@ class _Watch:
     X_WO_before: RigidTransform | None = None
     surface_error_mm: float | None = None
     surface_error_before_mm: float | None = None
-    heights_m: list[float] = dc.field(default_factory=list)
-    X_HO: list[RigidTransform] = dc.field(default_factory=list)
-    hold_since_s: float | None = None
+    holds: list["_Hold"] = dc.field(default_factory=list)  # one an attempt
     stages: dict[str, list[float]] = dc.field(default_factory=dict)  # name: [wall s, simulated s]
 
 
@@ -95,9 +101,10 @@ def load_trial_object(scenario: Scenario) -> ObjectModel:
     check_scenario(scenario)
     read_hand_model(load_hand(hand_file(scenario.hand)))
     folder = Path(scenario.objects) if scenario.objects else None
-    return load_object(
+    model = load_object(
         scenario.object, mass_kg=scenario.mass_kg, scale=scenario.scale, folder=folder
     )
+    return model if scenario.friction is None else dc.replace(model, friction=scenario.friction)
 
 
 def make_trial(
@@ -137,7 +144,7 @@ def run_trial(
     record: bool = False,
     on_phase: OnPhase | None = None,
 ) -> TrialResult:
-    """Look, touch, fuse, plan, rate, grasp, lift and hold, once.
+    """Look, touch, fuse, plan, rate, grasp, lift and hold; again where the hand lost it.
 
     Args:
         scenario: what is simulated.
@@ -191,7 +198,7 @@ def _run(
     context = trial.decision.GetMyContextFromRoot(trial.context)
     phase, planning = "", 0.0
     began = time.perf_counter()
-    while simulator.get_context().get_time() < LONGEST_S:
+    while simulator.get_context().get_time() < longest_s(trial.scenario):
         before = time.perf_counter()
         simulator.AdvanceTo(simulator.get_context().get_time() + WATCH_S)
         story: Story = trial.decision.GetOutputPort("story").Eval(context)
@@ -209,6 +216,11 @@ def _run(
         if story.finished:
             break
     return story, time.perf_counter() - began - planning
+
+
+def longest_s(scenario: Scenario) -> float:
+    """Simulated time after which a trial is stopped [s]."""
+    return LONGEST_S + scenario.attempts * LONGEST_ATTEMPT_S
 
 
 THINKING = ("", "look", "estimate", "plan a touch", "plan grasps")
@@ -233,8 +245,11 @@ def _note(
     elif phase == "plan grasps" and watch.surface_error_mm is None:
         watch.surface_error_mm = _surface_error(trial, judge, context)
     elif phase == "grasp: hold":
-        watch.heights_m.append(judge.lowest_point() - trial.scenario.table.height_m)
-        watch.X_HO.append(judge.object_in_hand())
+        hold = watch.holds[-1]
+        hold.heights_m.append(judge.lowest_point() - trial.scenario.table.height_m)
+        hold.X_HO.append(judge.object_in_hand())
+    while len(watch.holds) < len(story.grasps):
+        watch.holds.append(_Hold())
 
 
 def _surface_error(trial: Trial, judge: Judge, context: Context) -> float | None:
@@ -258,7 +273,7 @@ def _result(trial: Trial, story: Story, watch: _Watch) -> dict[str, object]:
         )
         for i, record in enumerate(story.touches)
     ]
-    scenario = trial.scenario
+    scenario, attempts = trial.scenario, _attempts(story, watch)
     return {
         "object": trial.model.name,
         "mass_kg": trial.model.mass_kg,
@@ -273,51 +288,63 @@ def _result(trial: Trial, story: Story, watch: _Watch) -> dict[str, object]:
         "surface_error_before_touch_mm": watch.surface_error_before_mm,
         "surface_error_mm": watch.surface_error_mm,
         "candidates": story.grasps[-1].candidates if story.grasps else {},
-        "grasp": _grasp_report(story),
-        **_lift_report(story, watch),
-        "failure": story.failure or _failure(story, watch),
+        "attempts": attempts,
+        "grasp": attempts[-1]["grasp"] if attempts else None,
+        **(attempts[-1]["lift"] if attempts else NOT_LIFTED),
+        "failure": story.failure or _failure(trial, story, attempts),
     }
 
 
-def _grasp_report(story: Story) -> dict[str, object] | None:
-    if not story.grasps:
-        return None
-    grasp = story.grasps[-1]
+NOT_LIFTED = {"lifted": False, "height_m": 0.0, "hold_s": 0.0, "slip_mm": None, "slip_deg": None}
+
+
+def _attempts(story: Story, watch: _Watch) -> list[dict[str, dict[str, object]]]:
+    """Every grasp that was tried, and what came of it."""
+    holds = [*watch.holds, *[_Hold()] * (len(story.grasps) - len(watch.holds))]
+    return [
+        {"grasp": _grasp_report(grasp), "lift": _lift_report(hold)}
+        for grasp, hold in zip(story.grasps, holds, strict=True)
+    ]
+
+
+def _grasp_report(grasp: GraspRecord) -> dict[str, object]:
     return {
         "X_WH": rounded(grasp.X_WH),
         "motion": grasp.motion,
         "planner": grasp.planner,
         "score": round(grasp.score, 5),
         "unreachable_better_ones": grasp.rank,
+        "robot_feels_it_held": grasp.held,
+        "felt_weight_n": round(grasp.weight_n, 3),
     }
 
 
-def _lift_report(story: Story, watch: _Watch) -> dict[str, object]:
+def _lift_report(hold: _Hold) -> dict[str, object]:
     """Height, hold and slip; the object counts as lifted only if it never sank while held."""
-    held = len(watch.heights_m) * WATCH_S
-    if not watch.heights_m:
-        return {"lifted": False, "height_m": 0.0, "hold_s": 0.0, "slip_mm": None, "slip_deg": None}
-    high = np.array(watch.heights_m) >= LIFTED_M
-    slip = watch.X_HO[0].inverse() @ watch.X_HO[-1]
+    held = len(hold.heights_m) * WATCH_S
+    if not hold.heights_m:
+        return dict(NOT_LIFTED)
+    high = np.array(hold.heights_m) >= LIFTED_M
+    slip = hold.X_HO[0].inverse() @ hold.X_HO[-1]
     return {
         "lifted": bool(high.all() and held >= HELD_S),
-        "height_m": round(float(np.min(watch.heights_m)), 4),
+        "height_m": round(float(np.min(hold.heights_m)), 4),
         "hold_s": round(float(np.argmin(high) if not high.all() else len(high)) * WATCH_S, 2),
-        "slip_mm": round(1000.0 * _slip_distance(watch), 3),
+        "slip_mm": round(1000.0 * _slip_distance(hold), 3),
         "slip_deg": round(float(np.rad2deg(slip.rotation().ToAngleAxis().angle())), 3),
     }
 
 
-def _slip_distance(watch: _Watch) -> float:
+def _slip_distance(hold: _Hold) -> float:
     """How far the object moved in the hand during the hold [m]."""
-    moved: Array = watch.X_HO[-1].translation() - watch.X_HO[0].translation()
+    moved: Array = hold.X_HO[-1].translation() - hold.X_HO[0].translation()
     return float(np.linalg.norm(moved))
 
 
-def _failure(story: Story, watch: _Watch) -> str:
+def _failure(trial: Trial, story: Story, attempts: list[dict[str, dict[str, object]]]) -> str:
     if not story.finished:
-        return f"not done after {LONGEST_S:g} simulated seconds"
-    if _lift_report(story, watch)["lifted"]:
+        return f"not done after {longest_s(trial.scenario):g} simulated seconds"
+    if attempts and attempts[-1]["lift"]["lifted"]:
         return ""
     return "the object was not lifted, or it slipped while held"
 
@@ -342,9 +369,8 @@ def raise_failure(result: dict[str, object]) -> None:
     """Turns a trial that never tried a grasp into the error that says why.
 
     Raises:
-        NothingSeen: the camera shows no table or object.
-        Unreachable: the arm can do nothing with it.
+        NoGraspTried: nothing was seen, or the arm can do nothing with it.
     """
     failure = str(result["failure"])
     if result["grasp"] is None and failure:
-        raise (Unreachable if failure.startswith("the arm") else NothingSeen)(failure)
+        raise NoGraspTried(failure)

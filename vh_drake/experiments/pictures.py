@@ -16,7 +16,7 @@ from pydrake.systems.analysis import Simulator
 
 from vh_drake.errors import VhDrakeError
 from vh_drake.experiments.browser import screenshot
-from vh_drake.experiments.grasp_trial import LONGEST_S, Trial, make_trial
+from vh_drake.experiments.grasp_trial import Trial, longest_s, make_trial
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.scenes.showing import make_meshcat
 from vh_drake.types import Array
@@ -108,7 +108,9 @@ def _pages(
     context = trial.decision.GetMyContextFromRoot(trial.context)
     began: dict[str, float] = {}
     found: dict[str, Path] = {}
-    while simulator.get_context().get_time() < LONGEST_S and len(found) < len(shots):
+    while simulator.get_context().get_time() < longest_s(trial.scenario) and len(found) < len(
+        shots
+    ):
         now = simulator.get_context().get_time()
         phase = trial.decision.GetOutputPort("phase").Eval(context)
         for shot in shots:

@@ -10,12 +10,12 @@ import numpy as np
 
 from vh_drake.atomic_files import write_bytes
 from vh_drake.errors import BadInput
-from vh_drake.experiments.files import write_json
 from vh_drake.experiments.grasp_picture import draw_grasps
 from vh_drake.experiments.plan_grasps import GraspPlan, plan_grasps
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
 from vh_drake.hand.shipped import hand_file
+from vh_drake.result_files import write_json
 from vh_drake.sensing.clouds import load_cloud
 from vh_drake.sensing.contact_files import load_contacts, load_table
 from vh_drake.types import Array

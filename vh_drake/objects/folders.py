@@ -30,6 +30,7 @@ class FolderEntry:
     path: Path
     mass_kg: float | None = None  # where objects.csv gives it
     split: str = ""  # "train", "test" or whatever objects.csv says
+    lift: str = ""  # "core", "hard" or "no": whether a hand can be asked to lift it
 
 
 def list_objects(folder: Path) -> list[str]:
@@ -42,8 +43,8 @@ def read_folder(folder: Path) -> dict[str, FolderEntry]:
 
     Each mesh file directly in the folder is an object, and each sub-folder that holds a mesh
     in the layout of the YCB download (`<name>/google_16k/textured.obj`) or just one mesh
-    file. `objects.csv` with columns `name` and optionally `mass_kg` and `split` adds masses
-    [kg] and splits.
+    file. `objects.csv` with columns `name` and optionally `mass_kg`, `split` and `lift`
+    tells masses [kg], splits, and what a hand can be asked to lift.
 
     Raises:
         BadInput: no such folder, no mesh in it, or an unusable objects.csv.
@@ -95,4 +96,5 @@ def _entry(name: str, path: Path, row: dict[str, str]) -> FolderEntry:
         raise BadInput(f"objects.csv: mass_kg of {name} is {text!r}, not a number") from error
     if mass is not None and not 0 < mass <= 100:
         raise BadInput(f"objects.csv: mass_kg of {name} is {text}, not between 0 and 100")
-    return FolderEntry(name, path, mass, (row.get("split") or "").strip())
+    split, lift = ((row.get(column) or "").strip() for column in ("split", "lift"))
+    return FolderEntry(name, path, mass, split, lift)

@@ -2,6 +2,8 @@
 
 import dataclasses as dc
 
+import numpy as np
+from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.geometry import (
     ClippingRange,
     DepthRange,
@@ -35,6 +37,16 @@ class CameraSettings:
     min_depth_m: float = 0.3  # nearer surfaces are not measured [m]
     max_depth_m: float = 3.0  # nor are farther ones [m]
     noise: DepthNoiseSettings = dc.field(default_factory=DepthNoiseSettings)
+    # Error of the hand-eye calibration; the seed draws its directions.
+    calibration_shift_m: float = 0.0
+    calibration_turn_deg: float = 0.0
+
+    def believed_pose(self, seed: int) -> RigidTransform:
+        """X_CBelieved: where the calibration puts the camera, in its true frame."""
+        axes = np.random.default_rng([seed, 7]).standard_normal((2, 3))
+        shift, axis = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+        turn = AngleAxis(np.deg2rad(self.calibration_turn_deg), axis)
+        return RigidTransform(turn, self.calibration_shift_m * shift)
 
     def intrinsics(self) -> Intrinsics:
         """The pinhole of these settings."""
@@ -76,7 +88,10 @@ def make_depth_camera(
     source = builder.AddNamedSystem(
         "depth_source", make(scene_graph, parent_frame_id, X_PC, settings)
     )
-    camera = builder.AddNamedSystem("depth_camera", DepthCamera(intrinsics, settings.noise, seed))
+    believed = settings.believed_pose(seed)
+    camera = builder.AddNamedSystem(
+        "depth_camera", DepthCamera(intrinsics, settings.noise, seed, believed)
+    )
     builder.Connect(scene_graph.get_query_output_port(), source.GetInputPort("geometry_query"))
     builder.Connect(source.GetOutputPort("depth_image_32f"), camera.GetInputPort("depth_image"))
     builder.Connect(source.GetOutputPort("body_pose_in_world"), camera.GetInputPort("X_WC"))

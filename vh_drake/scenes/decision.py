@@ -6,10 +6,11 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.exploration.follow import FollowSettings
 from vh_drake.exploration.touch_motion import TouchMotionSettings, fingertip_frame, pads_in_hand
+from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import HandModel, read_hand_model
 from vh_drake.hand.shipped import hand_file
-from vh_drake.scenes.rating import conventional_scorer
+from vh_drake.scenes.rating import make_scorer
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.sensing.contact_point import Skin, pad_skin
 from vh_drake.sensing.ft_contact import FtContactSettings
@@ -91,6 +92,7 @@ WIRES = (
     ("grasp_planner", "served", "scorer", "request"),
     ("estimator", "surface", "scorer", "surface"),
     ("behaviour", "view", "scorer", "object_view"),
+    ("behaviour", "contacts", "scorer", "contacts"),
     ("grasp_planner", "candidates", "behaviour", "candidates"),
     ("scorer", "scores", "behaviour", "scores"),
     ("scorer", "ranking", "behaviour", "ranking"),
@@ -100,6 +102,7 @@ WIRES = (
     ("contact_estimator", "contact_point", "behaviour", "contact_point"),
     ("contact_estimator", "contact", "executor", "contact"),
     ("contact_estimator", "force", "executor", "force"),
+    ("contact_estimator", "force", "behaviour", "force"),
     ("executor", "tare", "contact_estimator", "tare"),
     ("executor", "approach_direction", "contact_estimator", "approach_direction"),
     ("executor", "target_pose", "position_controller", "target_pose"),
@@ -160,9 +163,15 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "segmenter": ObjectSegmenter(_workspace(scenario)),
         "estimator": GpisEstimator(),
         "touch_planner": NextBestTouchPlanner(),
-        "grasp_planner": GraspCandidatePlanner(hand, seed=scenario.seed),
-        "scorer": GraspScorer(conventional_scorer(hand, scenario.seed)),
-        "behaviour": Behaviour(hand, kinematics, BehaviourSettings(touches=scenario.touches)),
+        "grasp_planner": GraspCandidatePlanner(
+            hand, PlannerSettings(planners=scenario.planners), scenario.seed, arm=kinematics
+        ),
+        "scorer": GraspScorer(make_scorer(scenario.scorer, hand, scenario.seed)),
+        "behaviour": Behaviour(
+            hand,
+            kinematics,
+            BehaviourSettings(touches=scenario.touches, attempts=scenario.attempts),
+        ),
         "executor": GraspExecutor(hand, kinematics.pose(kinematics.home)),
         "position_controller": CartesianPositionController(),
         "fingertip": Fingertip(fingertip_frame(hand)),

@@ -4,7 +4,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
 from vh_drake.hand.model import HandModel
-from vh_drake.scenes.rating import conventional_scorer
+from vh_drake.scenes.rating import make_scorer
 from vh_drake.sensing.segmentation import SegmentationSettings
 from vh_drake.systems.gpis_estimator import GpisEstimator
 from vh_drake.systems.grasp_candidate_planner import GraspCandidatePlanner
@@ -29,7 +29,13 @@ _OUTPUTS = (
 )
 
 
-def make_planning(hand: HandModel, seed: int, segmentation: SegmentationSettings | None) -> Diagram:
+def make_planning(
+    hand: HandModel,
+    seed: int,
+    segmentation: SegmentationSettings | None,
+    *,
+    scorer: str = "learned",
+) -> Diagram:
     """A diagram that answers one request, in 0.06 s of its time.
 
     | port        | direction | type        | unit | meaning                                    |
@@ -48,13 +54,14 @@ def make_planning(hand: HandModel, seed: int, segmentation: SegmentationSettings
         hand: that shall grasp.
         seed: of planner and scorer.
         segmentation: how the object is cut out of a cloud; None where its view is known.
+        scorer: "learned" or "conventional".
     """
     builder = DiagramBuilder()
     systems = {
         "request": builder.AddNamedSystem("request", ConstantVectorSource([1.0])),
         "estimator": builder.AddNamedSystem("estimator", GpisEstimator()),
         "planner": builder.AddNamedSystem("planner", GraspCandidatePlanner(hand, seed=seed)),
-        "scorer": builder.AddNamedSystem("scorer", GraspScorer(conventional_scorer(hand, seed))),
+        "scorer": builder.AddNamedSystem("scorer", GraspScorer(make_scorer(scorer, hand, seed))),
     }
     for source, output, sink, port in _WIRES:
         builder.Connect(systems[source].GetOutputPort(output), systems[sink].GetInputPort(port))
@@ -71,6 +78,7 @@ def make_planning(hand: HandModel, seed: int, segmentation: SegmentationSettings
         for view in views:
             builder.Connect(segmenter.GetOutputPort("object_view"), view)
     builder.ExportInput(systems["estimator"].GetInputPort("contacts"), "contacts")
+    builder.ConnectInput("contacts", systems["scorer"].GetInputPort("contacts"))
     for name, port in _OUTPUTS:
         builder.ExportOutput(systems[name].GetOutputPort(port), port)
     planning = builder.Build()

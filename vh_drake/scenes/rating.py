@@ -1,12 +1,44 @@
 """Which rating the scorer uses."""
 
+import dataclasses as dc
 from collections.abc import Callable
+from pathlib import Path
 
-from vh_drake.grasping.scoring import ScoringSettings, score_candidates
+from vh_drake.grasping.closure_rate import PerturbationSettings
+from vh_drake.grasping.field import object_field
+from vh_drake.grasping.scoring import ScoringSettings, rate_candidates, score_candidates
 from vh_drake.hand.model import HandModel
-from vh_drake.types import Candidates, GraspScores, ObjectView, Surface
+from vh_drake.learning.features import fused_points, scene_fields
+from vh_drake.learning.hints import hints_on_estimate
+from vh_drake.learning.metric import GraspMetric, load_metric
+from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface
 
-Score = Callable[[Candidates, Surface, ObjectView], GraspScores]
+Score = Callable[[Candidates, Surface, ObjectView, ContactSet], GraspScores]
+
+_PASSES = 8  # of dropout, for the standard error
+# Enough to see where the contacts lie and how many fingers touch.
+_FEW = PerturbationSettings(min_samples=8, max_samples=8)
+
+
+def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
+    """The scorer of a scenario.
+
+    The shipped metric has learnt with one hand; candidates of any other are rated
+    conventionally, whatever the name.
+
+    Args:
+        name: "learned" or "conventional".
+        hand: that shall grasp.
+        seed: of every random choice.
+
+    Raises:
+        BadInput: the shipped weights are missing or damaged.
+    """
+    if name == "learned":
+        metric = load_metric()
+        if metric.card.get("hand") == hand.description.name:
+            return learned_scorer(metric, hand, seed)
+    return conventional_scorer(hand, seed)
 
 
 def conventional_scorer(
@@ -15,7 +47,46 @@ def conventional_scorer(
     """Force-closure rate on the estimate, times physical sense."""
     settings = settings or ScoringSettings()
 
-    def score(candidates: Candidates, surface: Surface, view: ObjectView) -> GraspScores:
+    def score(
+        candidates: Candidates, surface: Surface, view: ObjectView, _contacts: ContactSet
+    ) -> GraspScores:
         return score_candidates(candidates, surface, view.table, hand, settings, seed)
+
+    return score
+
+
+def learned_scorer(
+    metric: GraspMetric | Path, hand: HandModel, seed: int, settings: ScoringSettings | None = None
+) -> Score:
+    """Probability of success by the learned metric, times physical sense.
+
+    Labels come from closing a hand around an object that stands still. How the object lies
+    in the hand, how far from its centre of mass and by how many fingers it is held, decides
+    in a real lift too; these factors are those of the conventional rating.
+
+    Args:
+        metric: or its weights.
+        hand: that the metric was trained for.
+        seed: of every random choice.
+        settings: of the physical sense.
+
+    Raises:
+        BadInput: the weights are missing or damaged.
+    """
+    trained = load_metric(metric) if isinstance(metric, Path) else metric
+    settings = dc.replace(settings or ScoringSettings(), perturbation=_FEW)
+
+    def score(
+        candidates: Candidates, surface: Surface, view: ObjectView, contacts: ContactSet
+    ) -> GraspScores:
+        if len(candidates) == 0:
+            return GraspScores()
+        fields = scene_fields(view, contacts, surface)
+        estimate = object_field(surface, view.table)
+        hints = hints_on_estimate(candidates, estimate, fused_points(view, contacts), hand, seed)
+        told = trained.predict(candidates, fields, hints, passes=_PASSES, seed=seed)
+        rating = rate_candidates(candidates, surface, view.table, hand, settings, seed)
+        sense = rating.centered * rating.held * rating.placed
+        return GraspScores(told.success * sense, told.spread * sense)
 
     return score

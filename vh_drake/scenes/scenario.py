@@ -6,17 +6,23 @@ from operator import attrgetter
 from pathlib import Path
 
 from vh_drake.errors import BadInput, UnknownName
+from vh_drake.grasping.planner_settings import (
+    PLANNERS,
+    PlannerSettings,
+    check_planner_settings,
+)
 from vh_drake.scenes.camera import CameraSettings
 from vh_drake.sensing.wrist_noise import WristNoiseSettings
 from vh_drake.yaml_files import load_typed
 
 CONTACT_MODELS = ("hydroelastic", "point")
-SCORERS = ("conventional",)
+SCORERS = ("learned", "conventional")
 # Least and largest value of each number.
 RANGES = {
     "seed": (0, 2**31 - 1),
     "mass_kg": (1e-3, 100.0),
     "scale": (1e-6, 1e6),
+    "friction": (0.0, 2.0),
     "time_step_s": (1e-4, 0.01),
     "touches": (0, 5),
     "attempts": (1, 10),
@@ -28,6 +34,8 @@ RANGES = {
     "camera.fov_y_rad": (0.1, 2.5),
     "camera.min_depth_m": (0.01, 10.0),
     "camera.max_depth_m": (0.02, 100.0),
+    "camera.calibration_shift_m": (0.0, 0.1),
+    "camera.calibration_turn_deg": (0.0, 30.0),
     "camera.noise.axial_m": (0.0, 0.1),
     "camera.noise.axial_per_m": (0.0, 0.1),
     "camera.noise.grazing": (0.0, 0.1),
@@ -81,6 +89,8 @@ class Scenario:
     # None takes the known mass.
     mass_kg: typing.Optional[float] = None  # noqa: UP045 (yaml_load_typed reads this form only)
     scale: float = 1.0
+    # Of the object, on everything; None takes the object's own.
+    friction: typing.Optional[float] = None  # noqa: UP045
     # "hydroelastic" or "point".
     contact: str = "hydroelastic"
     time_step_s: float = 0.002
@@ -90,9 +100,12 @@ class Scenario:
     left_hand: bool = False
     # Touches before planning.
     touches: int = 1
+    # Those that propose grasps: "surface", "skeleton".
+    planners: list[str] = dc.field(default_factory=lambda: list(PLANNERS))
+    # "learned" or "conventional"; hands that the metric has not learnt with: conventional.
     scorer: str = "conventional"
-    # How often another grasp may be tried.
-    attempts: int = 1
+    # How many grasps may be tried.
+    attempts: int = 3
     table: Table = dc.field(default_factory=Table)
     placement: Placement = dc.field(default_factory=Placement)
     camera: CameraSettings = dc.field(default_factory=CameraSettings)
@@ -125,6 +138,7 @@ def check_scenario(scenario: Scenario) -> None:
     ):
         if name not in choices:
             raise UnknownName(kind, name[:80], list(choices))
+    check_planner_settings(PlannerSettings(planners=scenario.planners))
     _check_texts(scenario)
     for name, (low, high) in RANGES.items():
         _check_range(name, attrgetter(name)(scenario), low, high)

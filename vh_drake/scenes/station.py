@@ -4,7 +4,6 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
-from pydrake.systems.primitives import MatrixGain
 
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.hand.model import HandModel, read_hand_model
@@ -12,12 +11,12 @@ from vh_drake.objects.model import ObjectModel
 from vh_drake.scenes.camera import make_depth_camera
 from vh_drake.scenes.plant import World, add_world
 from vh_drake.scenes.scenario import Scenario
+from vh_drake.scenes.tendon_drive import add_tendon_drive
 from vh_drake.systems.cartesian_velocity_controller import CartesianVelocityController
 from vh_drake.systems.gravity_compensation import GravityCompensation
 from vh_drake.systems.hand_state import HandState
 from vh_drake.systems.joint_velocity_integrator import JointVelocityIntegrator
 from vh_drake.systems.nullspace_controller import NullspaceController
-from vh_drake.systems.tendon_hand import TendonHand
 from vh_drake.systems.wrist_sensor import WristSensor
 
 CAMERA_BODY = "upper_neck"
@@ -72,7 +71,7 @@ def make_station(scenario: Scenario, model: ObjectModel) -> Station:
     kinematics = ArmKinematics("right")
     hand = read_hand_model(world.description)
     _add_arm(builder, world.plant, world, kinematics)
-    _add_hand(builder, world, hand)
+    add_tendon_drive(builder, world.plant, world.hand, hand)
     _add_sensors(builder, world, scenario)
     station = Station()
     builder.ExportOutput(world.plant.get_state_output_port(), "ground_truth")
@@ -118,40 +117,6 @@ def _add_arm(
     builder.ExportOutput(commanded.GetOutputPort("hand_pose"), "commanded_pose")
     builder.ExportOutput(measured.GetOutputPort("hand_pose"), "hand_pose")
     builder.ExportOutput(measured.GetOutputPort("hand_velocity"), "hand_velocity")
-
-
-def _add_hand(builder: DiagramBuilder, world: World, hand: HandModel) -> None:
-    """The tendon drive; the rest of the hand's state is not measured."""
-    plant = world.plant
-    drive = builder.AddNamedSystem("tendon_hand", TendonHand(hand))
-    state = builder.AddNamedSystem("motor_encoders", _motor_encoders(world))
-    builder.Connect(plant.get_state_output_port(world.hand), state.get_input_port())
-    builder.Connect(state.get_output_port(), drive.GetInputPort("motor_state"))
-    builder.Connect(
-        plant.get_net_actuation_output_port(world.hand), drive.GetInputPort("motor_force")
-    )
-    builder.Connect(
-        drive.GetOutputPort("motor_set_point"), plant.get_desired_state_input_port(world.hand)
-    )
-    builder.ExportInput(drive.GetInputPort("motor_command"), "motor_command")
-    for port in ("motor_fraction", "tendon_force", "finger_joints"):
-        builder.ExportOutput(drive.GetOutputPort(port), port)
-
-
-def _motor_encoders(world: World) -> MatrixGain:
-    """Picks positions and velocities of the motors out of the hand's state."""
-    plant = world.plant
-    joints = [plant.GetJointByName(motor.joint, world.hand) for motor in world.description.motors]
-    bodies = plant.GetJointIndices(world.hand)
-    positions = [
-        plant.get_joint(i).position_start() for i in bodies if plant.get_joint(i).num_positions()
-    ]
-    velocities = [
-        plant.get_joint(i).velocity_start() for i in bodies if plant.get_joint(i).num_velocities()
-    ]
-    rows = [joint.position_start() - min(positions) for joint in joints]
-    rows += [len(positions) + joint.velocity_start() - min(velocities) for joint in joints]
-    return MatrixGain(np.eye(len(positions) + len(velocities))[rows])
 
 
 def _add_sensors(builder: DiagramBuilder, world: World, scenario: Scenario) -> None:

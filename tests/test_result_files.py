@@ -4,7 +4,7 @@ import pytest
 
 from vh_drake import atomic_files
 from vh_drake.errors import BadInput, VhDrakeError
-from vh_drake.experiments.files import write_json, write_text
+from vh_drake.result_files import write_json, write_text
 
 
 def test_an_object_comes_back_as_it_was_and_its_folders_are_made(tmp_path):
