@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 from scenery import right_hand
 
 from vh_drake.errors import BadInput
+from vh_drake.grasping.base_joints import base_position
 from vh_drake.hand.tendon_finger import TendonFinger, thesis_finger
 from vh_drake.objects.loading import load_object
 from vh_drake.scenes.moving_hand import make_moving_hand
@@ -25,7 +27,7 @@ class Rig:
         self.simulator = Simulator(self.scene.diagram)
         self.root = self.simulator.get_mutable_context()
         self.context = self.plant.GetMyMutableContextFromRoot(self.root)
-        self.scene.diagram.GetInputPort("base_state").FixValue(self.root, np.zeros(6))
+        self.scene.diagram.GetInputPort("base_state").FixValue(self.root, np.zeros(12))
         self.command(command)
 
     def command(self, command):
@@ -143,12 +145,13 @@ def test_joints_are_told_from_the_motors_within_ten_degrees_under_the_hand_s_wei
 
 def test_the_base_goes_where_it_is_told():
     rig = Rig()
-    rig.scene.diagram.GetInputPort("base_state").FixValue(rig.root, [0.1, 0.2, 0.5, 0, 0, 0])
+    X_WH = RigidTransform(RollPitchYaw(0.4, 0.5, 2.0), [0.1, -0.1, 0.2]).GetAsMatrix4()
+    told = np.r_[base_position(right_hand(), X_WH), np.zeros(6)]
+    rig.scene.diagram.GetInputPort("base_state").FixValue(rig.root, told)
     rig.settle(1.0)
-    X_WH = rig.plant.GetBodyByName("hand_palm").EvalPoseInWorld(rig.context)
-    np.testing.assert_allclose(X_WH.translation(), [0.1, 0.0, 0.2], atol=3e-4)
-    fingers = X_WH.rotation().col(2)
-    np.testing.assert_allclose(fingers, [np.cos(0.5), 0, -np.sin(0.5)], atol=5e-3)
+    there = rig.plant.GetBodyByName("hand_palm").EvalPoseInWorld(rig.context).GetAsMatrix4()
+    np.testing.assert_allclose(there[:3, 3], X_WH[:3, 3], atol=3e-4)
+    np.testing.assert_allclose(there[:3, :3], X_WH[:3, :3], atol=5e-3)
 
 
 def test_an_object_needs_contact():

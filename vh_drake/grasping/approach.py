@@ -120,7 +120,6 @@ def _legs(
 ) -> tuple[Leg, ...]:
     """Through the air, guarded to the object, then close, squeeze, lift and hold."""
     open_hand = hand.motor_fractions(0.0, 0.0)
-    closed = hand.motor_fractions(1.0, 1.0)
     names = ["raise the hand", "over to the grasp", "down beside the object"]
     *free, last = approach
     legs = path(X_WH_now, free, names[: len(free)], open_hand)
@@ -129,13 +128,23 @@ def _legs(
         Leg("settle", free[-1], open_hand, 0.3),
         Leg("approach", last, open_hand, slow, guarded=True, guard_n=s.guard_n),
     )
+    return (*legs, *closing_legs(last, motion, hand, s))
+
+
+def closing_legs(
+    X_WH: Array, motion: str, hand: HandModel, settings: GraspMotionSettings
+) -> tuple[Leg, ...]:
+    """Close, squeeze, lift and hold, from an open hand in its place X_WH (4, 4)."""
+    s = settings
+    legs: tuple[Leg, ...] = ()
+    closed = hand.motor_fractions(1.0, 1.0)
     if motion == "collect":
         half = hand.motor_fractions(s.gather_fingers, s.gather_thumb)
-        legs += (Leg("gather", last, half, s.gather_s, closing=motion),)
+        legs = (Leg("gather", X_WH, half, s.gather_s, closing=motion),)
     return (
         *legs,
-        Leg("close", last, closed, s.close_s, closing=motion),
-        Leg("squeeze", last, closed, s.squeeze_s, closing=motion),
-        Leg("lift", last, closed, s.lift_s, rise_m=s.lift_m),
-        Leg("hold", last, closed, s.hold_s, rise_m=0.0),
+        Leg("close", X_WH, closed, s.close_s, closing=motion),
+        Leg("squeeze", X_WH, closed, s.squeeze_s, closing=motion),
+        Leg("lift", X_WH, closed, s.lift_s, rise_m=s.lift_m),
+        Leg("hold", X_WH, closed, s.hold_s, rise_m=0.0),
     )

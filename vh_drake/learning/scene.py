@@ -45,6 +45,7 @@ class TrueObject:
 
     mesh: TriMesh  # in the world [m]
     table: Plane
+    X_WO: Array  # (4, 4) its pose
 
 
 def camera_pose(settings: SceneSettings) -> Array:
@@ -73,7 +74,7 @@ def place(mesh: TriMesh, settings: SceneSettings, rng: np.random.Generator) -> T
     X_WO[:2, 3] += np.array(settings.center) + radius * np.array([np.cos(angle), np.sin(angle)])
     X_WO[2, 3] += settings.table_height_m
     table = Plane(np.array([0.0, 0.0, 1.0]), settings.table_height_m)
-    return TrueObject(mesh.transformed(X_WO), table)
+    return TrueObject(mesh.transformed(X_WO), table, X_WO)
 
 
 def look(truth: TrueObject, settings: SceneSettings, rng: np.random.Generator) -> ObjectView:

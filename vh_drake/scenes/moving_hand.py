@@ -47,16 +47,18 @@ class MovingHand:
 
     Ports of the diagram beside those of `TendonHand`:
 
-    | port       | direction | type       | unit   | meaning                                     |
-    |------------|-----------|------------|--------|---------------------------------------------|
-    | base_state | in        | vector (6) | m, rad | x, z and pitch of H, then their rates       |
-    | hand_state | out       | vector     | SI     | of the hand's model instance                |
+    | port       | direction | type        | unit   | meaning                                    |
+    |------------|-----------|-------------|--------|--------------------------------------------|
+    | base_state | in        | vector (12) | m, rad | of H, see `base_joints`, then its rates    |
+    | base_force | out       | vector (6)  | N, N m | that the base's drives pull with           |
+    | hand_state | out       | vector      | SI     | of the hand's model instance               |
     """
 
     diagram: Diagram
     plant: MultibodyPlant
     scene_graph: SceneGraph | None
     instance: ModelInstanceIndex
+    base: ModelInstanceIndex
     object: RigidBody | None
 
 
@@ -69,11 +71,10 @@ def make_moving_hand(
     stops: Mapping[str, float] | None = None,
     model: ObjectModel | None = None,
     X_WO: Array | None = None,
+    table: Table | None = None,
+    step_s: float = STEP_S,
 ) -> MovingHand:
-    """The hand, palm down with its fingers along +x, over a table whose top is at z = 0.
-
-    The base moves the hand's frame H in the world's x-z plane and pitches it: by a positive
-    angle the fingers point down.
+    """The hand on a base that moves and turns it anywhere, over a table.
 
     Args:
         hand: what moves.
@@ -84,6 +85,8 @@ def make_moving_hand(
         stops: upper limits of joints by name, in place of the model's own [rad].
         model: an object on the table.
         X_WO: its pose (4, 4); the origin by default.
+        table: below; its top is at z = 0 by default.
+        step_s: of the simulation [s].
 
     Raises:
         BadInput: an object without contact.
@@ -91,7 +94,7 @@ def make_moving_hand(
     if model is not None and contact == "none":
         raise BadInput("an object needs contact; choose point or hydroelastic")
     builder = DiagramBuilder()
-    plant, scene_graph = _plant(builder, contact)
+    plant, scene_graph = _plant(builder, contact, step_s)
     (instance,) = Parser(plant).AddModels(hand.description.model)
     base = _add_base(plant, hand, instance)
     for name, stop in (stops or {}).items():
@@ -101,7 +104,7 @@ def make_moving_hand(
     plant.set_gravity_enabled(instance, gravity)
     body = None
     if contact != "none":
-        add_table(plant, _TABLE)
+        add_table(plant, table or _TABLE)
         if model is not None:
             body = add_object(plant, model, contact=contact)
             X = np.eye(4) if X_WO is None else X_WO
@@ -109,16 +112,19 @@ def make_moving_hand(
     plant.Finalize()
     add_tendon_drive(builder, plant, instance, hand, command)
     builder.ExportInput(plant.get_desired_state_input_port(base), "base_state")
+    builder.ExportOutput(plant.get_net_actuation_output_port(base), "base_force")
     builder.ExportOutput(plant.get_state_output_port(instance), "hand_state")
-    return MovingHand(builder.Build(), plant, scene_graph, instance, body)
+    return MovingHand(builder.Build(), plant, scene_graph, instance, base, body)
 
 
-def _plant(builder: DiagramBuilder, contact: Contact) -> tuple[MultibodyPlant, SceneGraph | None]:
+def _plant(
+    builder: DiagramBuilder, contact: Contact, step_s: float
+) -> tuple[MultibodyPlant, SceneGraph | None]:
     """With a scene graph only where there is contact."""
     if contact == "none":
-        return builder.AddSystem(MultibodyPlant(STEP_S)), None
+        return builder.AddSystem(MultibodyPlant(step_s)), None
     config = MultibodyPlantConfig(
-        time_step=STEP_S,
+        time_step=step_s,
         contact_model="hydroelastic_with_fallback" if contact == "hydroelastic" else contact,
         discrete_contact_approximation="lagged",
     )
@@ -129,13 +135,16 @@ def _plant(builder: DiagramBuilder, contact: Contact) -> tuple[MultibodyPlant, S
 def _add_base(
     plant: MultibodyPlant, hand: HandModel, instance: ModelInstanceIndex
 ) -> ModelInstanceIndex:
-    """Two slides and a hinge between the world and the hand."""
+    """Three slides and three hinges between the world and the hand."""
     base = plant.AddModelInstance("base")
     frame = plant.world_frame()
     for name, joint_type, axis, gains in (
         ("base_x", PrismaticJoint, [1.0, 0.0, 0.0], _SLIDE),
+        ("base_y", PrismaticJoint, [0.0, 1.0, 0.0], _SLIDE),
         ("base_z", PrismaticJoint, [0.0, 0.0, 1.0], _SLIDE),
+        ("base_yaw", RevoluteJoint, [0.0, 0.0, 1.0], _HINGE),
         ("base_pitch", RevoluteJoint, [0.0, 1.0, 0.0], _HINGE),
+        ("base_roll", RevoluteJoint, [1.0, 0.0, 0.0], _HINGE),
     ):
         carriage = plant.AddRigidBody(name, base, _CARRIAGE)
         joint = plant.AddJoint(joint_type(name, frame, carriage.body_frame(), axis))
