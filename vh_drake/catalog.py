@@ -65,6 +65,11 @@ BENCHES: Mapping[str, Entry] = {
         "Force-closure tests beside SciPy's linear program and Qhull.",
         ("runs",),
     ),
+    "closing": Entry(
+        "vh_drake.benches.closing",
+        "Kinematic closings a second on one core; labels and contacts beside a finer grid.",
+        ("objects", "split", "runs"),
+    ),
     "planners": Entry(
         "vh_drake.benches.planners",
         "Both grasp planners on fused estimates: time, reach, diversity.",
