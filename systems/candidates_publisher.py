@@ -6,20 +6,24 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Context
 
 from vh_drake.geometry.colors import score_colors
-from vh_drake.geometry.glyphs import ColorMesh, arrows, joined, tube
+from vh_drake.geometry.glyphs import ColorMesh, arrows, balls, joined, tube
 from vh_drake.grasping.phases import hand_is_open
 from vh_drake.grasping.story import GraspRecord, Story
 from vh_drake.hand.model import HandModel
 from vh_drake.systems.meshcat_publisher import PERIOD_S, MeshcatPublisher, Picture
-from vh_drake.types import Array, Candidates, GraspScores
+from vh_drake.types import Array, Candidates, GraspScores, IntArray
 
 MOST = 60  # candidates, spread over the scores, that a picture bears
-ARROW_M, SHAFT_M = 0.06, 0.0016
+ARROW_M, SHAFT_M, BALL_M = 0.06, 0.0016, 0.004
+WITH_BALL = ("skeleton",)  # planners whose arrows start in a ball
 CHOSEN_COLOR, BONE_M = (0.1, 0.3, 1.0), 0.004
 
 
 class CandidatesPublisher(MeshcatPublisher):
     """Shows candidates as arrows, red to green by score, and the chosen hand in blue.
+
+    Each planner has a path of its own, `/candidates/0/surface`, `/candidates/0/skeleton`, so that
+    Meshcat's controls can show one alone. Arrows of the skeleton planner start in a ball.
 
     .. pydrake_system::
 
@@ -77,24 +81,33 @@ class CandidatesPublisher(MeshcatPublisher):
         return candidates, scores, chosen
 
     def draw(self, path: str, *picture: object) -> None:
-        """Puts arrows and the chosen hand under a path."""
+        """Puts each planner's arrows and the chosen hand under a path."""
         candidates, scores, chosen = picture
         assert isinstance(candidates, Candidates)
         assert isinstance(scores, GraspScores)
-        parts = [self._arrows(candidates.X_WH, scores.score)]
+        shown = self._shown_ones(scores.score)
+        planners = np.array(candidates.planner)[shown]
+        for name in sorted(set(planners)):
+            own = shown[planners == name]
+            mesh = self._arrows(candidates.X_WH[own], scores.score[own], name in WITH_BALL)
+            self.draw_mesh(f"{path}/{name}", mesh)
         if isinstance(chosen, GraspRecord):
-            parts.append(self._skeleton(chosen.X_WH))
-        self.draw_mesh(path, joined(parts))
+            self.draw_mesh(f"{path}/chosen", self._skeleton(chosen.X_WH))
 
-    def _arrows(self, X_WH: Array, score: Array) -> ColorMesh:
+    @staticmethod
+    def _shown_ones(score: Array) -> IntArray:
+        """Indices of as many as a picture bears, spread over the scores."""
         ranked = np.argsort(-score, kind="stable")
-        shown = ranked[np.unique(np.linspace(0, len(ranked) - 1, MOST).round().astype(int))]
+        return ranked[np.unique(np.linspace(0, len(ranked) - 1, MOST).round().astype(int))]
+
+    def _arrows(self, X_WH: Array, score: Array, with_ball: bool) -> ColorMesh:
         description = self._hand.description
         approach = np.asarray(description.approach, float)
-        direction = X_WH[shown, :3, :3] @ (approach / np.linalg.norm(approach))
-        tcp = X_WH[shown, :3, :3] @ np.asarray(description.tcps["power"]) + X_WH[shown, :3, 3]
-        colors = score_colors(score[shown])
-        return arrows(tcp - ARROW_M * direction, direction, colors, length=ARROW_M, radius=SHAFT_M)
+        direction = X_WH[:, :3, :3] @ (approach / np.linalg.norm(approach))
+        tcp = X_WH[:, :3, :3] @ np.asarray(description.tcps["power"]) + X_WH[:, :3, 3]
+        colors, start = score_colors(score), tcp - ARROW_M * direction
+        shafts = arrows(start, direction, colors, length=ARROW_M, radius=SHAFT_M)
+        return joined([shafts, balls(start, colors, radius=BALL_M)]) if with_ball else shafts
 
     def _skeleton(self, X_WH: Array) -> ColorMesh:
         """Bones of the open hand, from the wrist to the tips of the fingers."""

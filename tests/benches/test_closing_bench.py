@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vh_drake.benches import closing
-from vh_drake.benches.closing import closed, compared, run, shift, summarized, timed
+from vh_drake.benches.closing import compared, run, shift, summarized, timed
 from vh_drake.catalog import Options
 from vh_drake.errors import BadInput
 from vh_drake.geometry.meshes import TriMesh
@@ -13,6 +13,7 @@ from vh_drake.grasping.field import object_field
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
 from vh_drake.hand.shipped import hand_file
+from vh_drake.learning.labels import LabelSettings, nominal_closures
 from vh_drake.objects.library import library_object
 from vh_drake.types import Candidates, Plane, Surface
 
@@ -63,7 +64,8 @@ def test_the_bench_reports_speed_agreement_and_contacts(monkeypatch, tmp_path):
 def test_starts_in_collision_are_not_timed(hand, ball):
     field = field_of(ball, 0.003)
     closings, ms = timed(around(0.0, 0.002, -0.09), field, hand)
-    free = [one.started_free for one in closed(around(0.0, 0.002, -0.09), field, hand)]
+    closures = nominal_closures(around(0.0, 0.002, -0.09), field, hand, LabelSettings())
+    free = [one.started_free for one in closures]
     assert closings == sum(free) == 2
     assert ms > 0
 

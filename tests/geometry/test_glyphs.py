@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from vh_drake.geometry.glyphs import arrows, balls, joined, tube
+from vh_drake.geometry.glyphs import arrows, balls, cones, joined, tube
 
 RED = np.array([[1.0, 0.0, 0.0]])
 
@@ -56,3 +56,15 @@ def test_joined_faces_refer_to_the_vertices_of_their_own_part():
 
 def test_nothing_joined_is_an_empty_mesh():
     assert [len(part) for part in joined([])] == [0, 0, 0]
+
+
+def test_a_cone_stands_on_its_point_and_opens_by_its_slope():
+    p, n = np.array([[0.1, 0.2, 0.3]]), np.array([[0.6, 0.0, 0.8]])
+    mesh = cones(p, n, RED, length=0.02, slope=0.8)
+    along = (mesh.vertices - p) @ n[0]
+    across = np.linalg.norm(mesh.vertices - p - along[:, None] * n, axis=1)
+    rim = across > 1e-9
+    np.testing.assert_allclose(across[rim], 0.8 * along[rim])
+    np.testing.assert_allclose(along[rim], 0.02)
+    assert np.abs(along[~rim]).min() < 1e-12
+    assert solid(mesh).volume > 0

@@ -2,6 +2,7 @@ import dataclasses as dc
 
 import numpy as np
 import pytest
+import trimesh
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.math import RigidTransform
@@ -14,12 +15,22 @@ from vh_drake.scenes.plant import default_hand
 from vh_drake.systems.candidates_publisher import CandidatesPublisher
 from vh_drake.systems.cloud_publisher import CloudPublisher
 from vh_drake.systems.contacts_publisher import ContactsPublisher
+from vh_drake.systems.grasp_contacts_publisher import GraspContactsPublisher
 from vh_drake.systems.phase_publisher import PhasePublisher
 from vh_drake.systems.surface_publisher import SurfacePublisher
 from vh_drake.systems.touch_publisher import TouchPublisher
-from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface, TouchPlan
+from vh_drake.types import (
+    Candidates,
+    ContactSet,
+    GraspScores,
+    ObjectView,
+    Plane,
+    Surface,
+    TouchPlan,
+)
 
 UP = np.array([[0.0, 0.0, 1.0]])
+BALL, BALL_M = np.array([-0.045, -0.005, 0.03]), 0.035  # lies where the fingers meet, in H
 
 
 def tetrahedron():
@@ -40,6 +51,12 @@ def touch():
     return TouchPlan(control_points=np.outer(np.arange(4.0), UP[0]))
 
 
+def ball_in_the_hand():
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=BALL_M)
+    p = np.array(ball.vertices) + BALL
+    return Surface(p, np.array(ball.faces, np.int64), np.array(ball.vertex_normals), p[:, 0] * 0)
+
+
 FULL = {
     "surface": {"surface": tetrahedron(), "phase": "estimate"},
     "cloud": {"view": ObjectView(UP, UP), "phase": "look"},
@@ -47,6 +64,12 @@ FULL = {
     "touch": {"touch_plan": touch(), "phase": "touch: feel"},
     "candidates": {**grasps(100), "phase": "plan grasps"},
     "phase": {"phase": "look"},
+    "grasp_contacts": {
+        "surface": ball_in_the_hand(),
+        "view": ObjectView(table=Plane(UP[0], -1.0)),
+        "story": Story(grasps=(GraspRecord(np.eye(4), "side", "surface", 1.0, 0, {}),)),
+        "phase": "grasp: approach",
+    },
 }
 EMPTY = {
     "surface": {"surface": Surface(), "phase": ""},
@@ -55,6 +78,12 @@ EMPTY = {
     "touch": {"touch_plan": TouchPlan(), "phase": "touch"},
     "candidates": {**grasps(0), "phase": ""},
     "phase": {"phase": ""},
+    "grasp_contacts": {
+        "surface": Surface(),
+        "view": ObjectView(),
+        "story": Story(),
+        "phase": "",
+    },
 }
 NAMES = sorted(FULL)
 
@@ -78,6 +107,7 @@ def make(meshcat, hand):
             "contacts": lambda: ContactsPublisher(meshcat, "/pictures"),
             "touch": lambda: TouchPublisher(meshcat, "/pictures"),
             "candidates": lambda: CandidatesPublisher(hand, meshcat, "/pictures"),
+            "grasp_contacts": lambda: GraspContactsPublisher(hand, meshcat, "/pictures"),
             "phase": lambda: PhasePublisher(meshcat, RigidTransform(), path="/pictures"),
         }[name]()
 
@@ -169,7 +199,7 @@ class Log:
         self.visible.append((path, value, round(time_in_recording, 3)))
 
 
-@pytest.mark.parametrize("name", ["surface", "cloud", "contacts", "candidates"])
+@pytest.mark.parametrize("name", ["surface", "cloud", "contacts", "candidates", "grasp_contacts"])
 def test_beliefs_are_hidden_when_the_hand_closes(make, name, monkeypatch):
     system, log = make(name), Log()
     monkeypatch.setattr(system, "_meshcat", log)
@@ -202,11 +232,22 @@ def test_picture_of_candidates_bears_few_arrows_and_the_chosen_hand(make, monkey
     values = grasps(500)
     system.draw("/x", values["candidates"], values["scores"], None)
     system.draw("/x", values["candidates"], values["scores"], chosen)
-    few, with_hand = meshes
-    assert len(few.vertices) == 60 * 50
-    extra = with_hand.colors[len(few.colors) :]
-    assert len(extra)
-    assert (extra == np.array([0.1, 0.3, 1.0])).all()
+    few, again, hand = meshes
+    assert len(few.vertices) == len(again.vertices) == 60 * 50
+    assert len(hand.colors)
+    assert (hand.colors == np.array([0.1, 0.3, 1.0])).all()
+
+
+def test_each_planner_has_a_path_and_arrows_of_its_own(make, monkeypatch):
+    system, meshes = make("candidates"), {}
+    monkeypatch.setattr(system, "draw_mesh", lambda path, mesh: meshes.update({path: mesh}))
+    planners = ("surface",) * 10 + ("skeleton",) * 10
+    both = dc.replace(grasps(20)["candidates"], planner=planners)
+    system.draw("/x", both, grasps(20)["scores"], None)
+    assert sorted(meshes) == ["/x/skeleton", "/x/surface"]
+    assert len(meshes["/x/skeleton"].vertices) > len(meshes["/x/surface"].vertices)
+    worst = meshes["/x/surface"].colors[-1]
+    assert (worst == [0.8, 0.0, 0.05]).all()
 
 
 def test_arrow_of_a_candidate_ends_in_the_power_tcp(make, monkeypatch, hand):
@@ -219,6 +260,34 @@ def test_arrow_of_a_candidate_ends_in_the_power_tcp(make, monkeypatch, hand):
     approach = np.asarray(hand.description.approach) / np.linalg.norm(hand.description.approach)
     along = (meshes[0].vertices - tcp) @ approach
     assert along.max() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_contacts_of_the_chosen_grasp_lie_on_the_estimate_and_bear_friction_cones(
+    make, monkeypatch
+):
+    system, meshes = make("grasp_contacts"), []
+    monkeypatch.setattr(system, "draw_mesh", lambda path, mesh: meshes.append(mesh))
+    full = FULL["grasp_contacts"]
+    system.draw("/x", full["surface"], full["view"], full["story"].grasps[0])
+    away = np.linalg.norm(meshes[0].vertices - BALL, axis=1)
+    cone, ball = 30, 70  # vertices of each
+    count = len(away) // (cone + ball)
+    assert count >= 4
+    assert len(away) == count * (cone + ball)
+    apexes = away[count * ball :].reshape(count, cone)[:, :10]
+    np.testing.assert_allclose(apexes, BALL_M, atol=0.001)
+    rims = away[count * ball :].reshape(count, cone)[:, 10:20]
+    expected = np.hypot(BALL_M + 0.015, 0.8 * 0.015)
+    np.testing.assert_allclose(rims, expected, atol=0.002)
+
+
+def test_no_contacts_are_predicted_before_a_grasp_is_chosen(make, meshcat):
+    system = make("grasp_contacts")
+    simulator = Simulator(system)
+    values = FULL["grasp_contacts"] | {"story": Story(), "phase": "plan grasps"}
+    fix(system, simulator.get_mutable_context(), values)
+    simulator.AdvanceTo(0.1)
+    assert not meshcat.HasPath("/pictures/0")
 
 
 def test_scores_that_do_not_fit_the_candidates_wait(make, meshcat):

@@ -17,7 +17,7 @@ from vh_drake.errors import BadInput
 from vh_drake.experiments.estimate import evaluated_objects
 from vh_drake.geometry.closest_points import closest_points, triangle_tree
 from vh_drake.geometry.meshes import TriMesh
-from vh_drake.grasping.closing import Closure, close_fingers, close_hand, new_state
+from vh_drake.grasping.closing import Closure, close_fingers, new_state
 from vh_drake.grasping.field import FieldArrays, ObjectField, object_field
 from vh_drake.grasping.motions import CollectSettings, MotionArrays, motion_of
 from vh_drake.grasping.planner_settings import PlannerSettings
@@ -26,7 +26,13 @@ from vh_drake.hand.description import load_hand
 from vh_drake.hand.kinematics import HandArrays
 from vh_drake.hand.model import HandModel, read_hand_model
 from vh_drake.hand.shipped import hand_file
-from vh_drake.learning.labels import SUCCESS_RATE, LabelSettings, guarded_rates, start_poses
+from vh_drake.learning.labels import (
+    SUCCESS_RATE,
+    LabelSettings,
+    guarded_rates,
+    nominal_closures,
+    start_poses,
+)
 from vh_drake.learning.scene import SceneSettings, TrueObject, place
 from vh_drake.objects.loading import load_object
 from vh_drake.reports import Report, Row
@@ -139,7 +145,7 @@ def compared(
         guarded_rates(candidates, field, hand, settings, seed).rate > SUCCESS_RATE
         for field in fields
     )
-    closures = [closed(candidates, field, hand) for field in fields]
+    closures = [nominal_closures(candidates, field, hand, settings) for field in fields]
     p = np.concatenate([one.p_WC for one in closures[0]])
     off = np.linalg.norm(closest_points(triangle_tree(mesh), p) - p, axis=1)
     shifts = np.concatenate([shift(a, b) for a, b in zip(*closures, strict=True)])
@@ -152,19 +158,6 @@ def compared(
         "off_mesh_95_mm": round(1e3 * float(np.quantile(off, 0.95)), 4),
         "shift_mm": round(1e3 * float(np.median(shifts)), 4),
     }
-
-
-def closed(candidates: Candidates, field: ObjectField, hand: HandModel) -> list[Closure]:
-    """Each candidate closed as planned."""
-    way = LabelSettings().guarded_m
-    motions = {
-        name: motion_of(name, hand, CollectSettings()) for name in sorted(set(candidates.motion))
-    }
-    starts = start_poses(candidates.X_WH, hand, way)
-    return [
-        close_hand(hand, field, motions[name], X, palm_advance_m=way)
-        for name, X in zip(candidates.motion, starts, strict=True)
-    ]
 
 
 def shift(one: Closure, other: Closure) -> Array:

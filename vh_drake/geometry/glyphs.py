@@ -1,4 +1,4 @@
-"""Coloured triangles for pictures: arrows, balls, tubes; many in one mesh.
+"""Coloured triangles for pictures: arrows, balls, cones, tubes; many in one mesh.
 
 WebGL draws lines one pixel wide, whatever is asked; so pictures are made of triangles.
 """
@@ -55,6 +55,20 @@ def balls(p: Array, colors: Array, *, radius: float) -> ColorMesh:
     angle = np.linspace(0.0, np.pi, 7)
     profile = radius * np.column_stack([np.sin(angle), -np.cos(angle)])
     return _copies(profile, p, np.tile([0.0, 0.0, 1.0], (len(p), 1)), colors)
+
+
+def cones(p: Array, axis: Array, colors: Array, *, length: float, slope: float) -> ColorMesh:
+    """Cones that stand on their points.
+
+    Args:
+        p: (n, 3) the points [m].
+        axis: (n, 3) unit vectors from there along the cones.
+        colors: (n, 3) of each.
+        length: along the axis [m].
+        slope: tangent of the half angle; of a friction cone the coefficient of friction.
+    """
+    profile = length * np.array([[0.0, 0.0], [slope, 1.0], [0.0, 1.0]])
+    return _copies(profile, p, axis, colors)
 
 
 def tube(p: Array, color: Array, *, radius: float) -> ColorMesh:

@@ -117,7 +117,7 @@ def nominal_contacts(
     candidates: Candidates, field: ObjectField, hand: HandModel, settings: LabelSettings
 ) -> list[Array]:
     """Contacts (c, 3) of each undisturbed grasp [m]; none where it starts in collision."""
-    closures = _nominal_closures(candidates, field, hand, settings)
+    closures = nominal_closures(candidates, field, hand, settings)
     return [closure.p_WC for closure in closures]
 
 
@@ -127,7 +127,7 @@ def nominal_epsilon(
     """Epsilon quality (n,) of undisturbed grasps; 0 without force closure."""
     contact = ContactSettings(friction=settings.friction)
     epsilon = np.zeros(len(candidates))
-    for i, closure in enumerate(_nominal_closures(candidates, field, hand, settings)):
+    for i, closure in enumerate(nominal_closures(candidates, field, hand, settings)):
         if len(closure.links) >= 3:
             W = wrench_matrix(
                 closure.p_WC,
@@ -140,9 +140,10 @@ def nominal_epsilon(
     return epsilon
 
 
-def _nominal_closures(
+def nominal_closures(
     candidates: Candidates, field: ObjectField, hand: HandModel, settings: LabelSettings
 ) -> list[Closure]:
+    """How each undisturbed grasp ends."""
     starts = start_poses(candidates.X_WH, hand, settings.guarded_m)
     return [
         close_hand(hand, field, _motion(name, hand), X_WH, palm_advance_m=settings.guarded_m)

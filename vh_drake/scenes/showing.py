@@ -15,6 +15,7 @@ from vh_drake.hand.model import HandModel
 from vh_drake.systems.candidates_publisher import CandidatesPublisher
 from vh_drake.systems.cloud_publisher import CloudPublisher
 from vh_drake.systems.contacts_publisher import ContactsPublisher
+from vh_drake.systems.grasp_contacts_publisher import GraspContactsPublisher
 from vh_drake.systems.phase_publisher import PhasePublisher
 from vh_drake.systems.surface_publisher import SurfacePublisher
 from vh_drake.systems.touch_publisher import TouchPublisher
@@ -87,6 +88,7 @@ def add_publishers(
         "contacts_publisher": ContactsPublisher(meshcat),
         "touch_publisher": TouchPublisher(meshcat),
         "candidates_publisher": CandidatesPublisher(hand, meshcat),
+        "grasp_contacts_publisher": GraspContactsPublisher(hand, meshcat),
         "phase_publisher": PhasePublisher(meshcat, sign_pose(), height_m=SIGN_HEIGHT_M),
     }
     for name, publisher in publishers.items():
