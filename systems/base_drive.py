@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from vh_drake.grasping.base_joints import base_pose, base_position
 from vh_drake.hand.model import HandModel
@@ -13,41 +13,34 @@ PERIOD_S = 0.01
 
 
 class BaseDrive(LeafSystem):
-    """Hand poses in, set points of the carriage's joints out; it also weighs what hangs on it.
+    """Hand poses in, set points of the carriage's joints out.
 
     .. pydrake_system::
 
         name: BaseDrive
         input_ports:
         - target_pose
-        - base_force
         output_ports:
         - base_state
         - hand_pose
-        - force
 
     | port        | direction | type           | unit   | meaning                                 |
     |-------------|-----------|----------------|--------|-----------------------------------------|
     | target_pose | in        | RigidTransform | m      | X_WH where the hand shall be            |
-    | base_force  | in        | vector (6)     | N, N m | that the carriage's drives pull with    |
     | base_state  | out       | vector (12)    | m, rad | positions of the joints, then rates     |
     | hand_pose   | out       | RigidTransform | m      | X_WH of it, as commanded                |
-    | force       | out       | vector (3)     | N      | on the hand from outside, in W          |
 
     The set points follow the target every 10 ms. The first step comes half a period after the
-    start, when the target is known. The force is right while the hand does not accelerate.
+    start, when the target is known.
 
     Args:
         hand: on the carriage.
-        weight_n: of the hand, which the drives hold up.
     """
 
-    def __init__(self, hand: HandModel, weight_n: float) -> None:
+    def __init__(self, hand: HandModel) -> None:
         super().__init__()
         self._hand = hand
-        self._weight = np.array([0.0, 0.0, weight_n])
         self._target = self.DeclareAbstractInputPort("target_pose", Value(RigidTransform()))
-        self._pull = self.DeclareVectorInputPort("base_force", 6)
         state = self.DeclareDiscreteState(12)
         self.DeclareStateOutputPort("base_state", state)
         self.DeclarePeriodicDiscreteUpdateEvent(PERIOD_S, PERIOD_S / 2, self._follow)
@@ -56,9 +49,6 @@ class BaseDrive(LeafSystem):
             lambda: Value(RigidTransform()),
             self._calc_pose,
             prerequisites_of_calc={self.xd_ticket()},
-        )
-        self.DeclareVectorOutputPort(
-            "force", 3, self._calc_force, prerequisites_of_calc={self._pull.ticket()}
         )
 
     def place(self, context: Context, X_WH: Array) -> Array:
@@ -76,6 +66,3 @@ class BaseDrive(LeafSystem):
     def _calc_pose(self, context: Context, output: Value) -> None:
         position = context.get_discrete_state_vector().value()[:6]
         output.set_value(RigidTransform(base_pose(self._hand, position)))
-
-    def _calc_force(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._weight - self._pull.Eval(context)[:3])

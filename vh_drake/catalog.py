@@ -164,6 +164,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "The validation set of eight objects, in ten poses each.",
         ("runs", "contact"),
     ),
+    "labels": Entry(
+        "vh_drake.experiments.labels",
+        "Which label or score predicts that the hand alone lifts the object.",
+        ("objects", "split", "scenes", "weights"),
+    ),
     "robustness": Entry(
         "vh_drake.experiments.robustness",
         "Lift success under friction, mass, noise and calibration errors, one at a time.",

@@ -12,8 +12,8 @@ X_THERE = RigidTransform(RollPitchYaw(0.1, 0.2, 0.4), [0.11, 0.2, 0.3])
 
 
 def drive(**options):
-    given = {"target_pose": X_THERE, "base_force": np.zeros(6)}
-    leaf = Leaf(BaseDrive(right_hand(), 9.0), **(given | options))
+    given = {"target_pose": X_THERE}
+    leaf = Leaf(BaseDrive(right_hand()), **(given | options))
     leaf.system.place(leaf.context, X_START.GetAsMatrix4())
     return leaf
 
@@ -31,13 +31,6 @@ def test_the_set_point_follows_the_target_with_its_rate(caching):
     np.testing.assert_allclose(leaf.get("base_state"), np.r_[there, rate], atol=1e-9)
     leaf.advance(PERIOD_S)
     np.testing.assert_allclose(leaf.get("base_state"), np.r_[there, np.zeros(6)], atol=1e-9)
-
-
-def test_the_force_from_outside_is_what_the_drives_resist_less_the_hand_s_weight():
-    leaf = drive(base_force=[0.0, 0.0, 9.0, 0.0, 0.0, 0.0])
-    np.testing.assert_allclose(leaf.get("force"), 0.0)
-    leaf.fix(base_force=[1.0, 0.0, 4.0, 0.0, 0.0, 0.0])  # Something holds up 5 N of it.
-    np.testing.assert_allclose(leaf.get("force"), [-1.0, 0.0, 5.0])
 
 
 def test_two_contexts_of_one_drive_do_not_touch_each_other():

@@ -1,7 +1,7 @@
 """Where the joints of a hand's carriage must be: three slides, then yaw, pitch and roll."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+from pydrake.math import RollPitchYaw, RotationMatrix
 
 from vh_drake.grasping.motions import pitched_rotation
 from vh_drake.hand.model import HandModel
@@ -21,16 +21,16 @@ def base_position(hand: HandModel, X_WH: Array, before: Array | None = None) -> 
         before: earlier positions (6,), to which the angles stay next.
     """
     R = X_WH[:3, :3] @ pitched_rotation(hand, 0.0).T
-    angles = Rotation.from_matrix(R).as_euler("ZYX")
+    angles = RollPitchYaw(RotationMatrix(R)).vector()[::-1]
     if before is not None:
-        angles += 2 * np.pi * np.round((before[3:] - angles) / (2 * np.pi))
+        angles = angles + 2 * np.pi * np.round((before[3:] - angles) / (2 * np.pi))
     return np.concatenate([X_WH[:3, 3], angles])
 
 
 def base_pose(hand: HandModel, position: Array) -> Array:
     """The inverse of `base_position`: X_WH (4, 4)."""
     X_WH = np.eye(4)
-    X_WH[:3, :3] = Rotation.from_euler("ZYX", position[3:]).as_matrix()
-    X_WH[:3, :3] = X_WH[:3, :3] @ pitched_rotation(hand, 0.0)
+    turn = RollPitchYaw(position[:2:-1]).ToRotationMatrix().matrix()
+    X_WH[:3, :3] = turn @ pitched_rotation(hand, 0.0)
     X_WH[:3, 3] = position[:3]
     return X_WH

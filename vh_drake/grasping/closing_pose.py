@@ -1,5 +1,7 @@
 """Where the hand goes while its fingers close, from what the motors tell."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from vh_drake.grasping.motions import CollectSettings, collect_pose
@@ -18,10 +20,18 @@ def closing_offset(
     """
     if motion != "collect":
         return np.eye(4)
-    settings = settings or CollectSettings()
-    start, now = (
-        collect_pose(hand, hand.joint_angles(f), settings)
-        for f in (np.zeros_like(fraction), np.asarray(fraction))
-    )
-    offset: Array = np.linalg.inv(start) @ now
+    now = collect_pose(hand, hand.joint_angles(fraction), settings or CollectSettings())
+    inverse = _inverse_of_open(hand) if settings is None else _inverse(hand, settings)
+    offset: Array = inverse @ now
     return offset
+
+
+def _inverse(hand: HandModel, settings: CollectSettings) -> Array:
+    start = np.zeros(len(hand.description.motors))
+    inverse: Array = np.linalg.inv(collect_pose(hand, hand.joint_angles(start), settings))
+    return inverse
+
+
+@lru_cache(maxsize=8)  # Wanted in every period of a closing hand
+def _inverse_of_open(hand: HandModel) -> Array:
+    return _inverse(hand, CollectSettings())

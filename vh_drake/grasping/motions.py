@@ -7,6 +7,7 @@ fingers fold under it (thesis, section 4.5.4).
 """
 
 import dataclasses as dc
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -113,8 +114,9 @@ def tip_line_pitch(hand: HandModel, angles: Array) -> float:
     return float(np.arctan2(-(line @ palm), max(line @ along, _SHORTEST_LINE_M)))
 
 
+@lru_cache(maxsize=8)  # Asked for in every period of a closing hand
 def hand_axes(hand: HandModel) -> tuple[Array, Array]:
-    """Unit vectors along the fingers and out of the palm, made orthogonal, in H.
+    """Unit vectors along the fingers and out of the palm, made orthogonal, in H; not writable.
 
     Raises:
         BadInput: the description's directions are zero or parallel.
@@ -125,7 +127,9 @@ def hand_axes(hand: HandModel) -> tuple[Array, Array]:
         raise BadInput(f"hand: along {along} and palm {palm} must be two different directions")
     along = along / np.linalg.norm(along)
     palm = palm - (palm @ along) * along
-    return along, palm / np.linalg.norm(palm)
+    palm /= np.linalg.norm(palm)
+    along.flags.writeable = palm.flags.writeable = False
+    return along, palm
 
 
 def motion_of(name: str, hand: HandModel, collect: CollectSettings) -> MotionArrays:

@@ -18,6 +18,7 @@ from pydrake.multibody.tree import (
     SpatialInertia,
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import MatrixGain
 
 from vh_drake.errors import BadInput
 from vh_drake.grasping.motions import pitched_rotation
@@ -50,7 +51,7 @@ class MovingHand:
     | port       | direction | type        | unit   | meaning                                    |
     |------------|-----------|-------------|--------|--------------------------------------------|
     | base_state | in        | vector (12) | m, rad | of H, see `base_joints`, then its rates    |
-    | base_force | out       | vector (6)  | N, N m | that the base's drives pull with           |
+    | touch      | out       | vector (3)  | N      | sum of what touches the hand, in W         |
     | hand_state | out       | vector      | SI     | of the hand's model instance               |
     """
 
@@ -112,9 +113,17 @@ def make_moving_hand(
     plant.Finalize()
     add_tendon_drive(builder, plant, instance, hand, command)
     builder.ExportInput(plant.get_desired_state_input_port(base), "base_state")
-    builder.ExportOutput(plant.get_net_actuation_output_port(base), "base_force")
+    _export_touch(builder, plant, base)
     builder.ExportOutput(plant.get_state_output_port(instance), "hand_state")
     return MovingHand(builder.Build(), plant, scene_graph, instance, base, body)
+
+
+def _export_touch(builder: DiagramBuilder, plant: MultibodyPlant, base: ModelInstanceIndex) -> None:
+    """Contact forces along the base's slides are those on all that hangs on it."""
+    slides = builder.AddNamedSystem("slides", MatrixGain(np.eye(3, 6)))
+    forces = plant.get_generalized_contact_forces_output_port(base)
+    builder.Connect(forces, slides.get_input_port())
+    builder.ExportOutput(slides.get_output_port(), "touch")
 
 
 def _plant(

@@ -6,11 +6,16 @@ from pathlib import Path
 
 from vh_drake.grasping.closure_rate import PerturbationSettings
 from vh_drake.grasping.field import object_field
-from vh_drake.grasping.scoring import ScoringSettings, rate_candidates, score_candidates
+from vh_drake.grasping.scoring import (
+    GraspRating,
+    ScoringSettings,
+    rate_candidates,
+    score_candidates,
+)
 from vh_drake.hand.model import HandModel
 from vh_drake.learning.features import fused_points, scene_fields
-from vh_drake.learning.hints import hints_on_estimate
-from vh_drake.learning.metric import GraspMetric, load_metric
+from vh_drake.learning.hints import Hints, hints_on_estimate
+from vh_drake.learning.metric import GraspMetric, Prediction, load_metric
 from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface
 
 Score = Callable[[Candidates, Surface, ObjectView, ContactSet], GraspScores]
@@ -74,19 +79,45 @@ def learned_scorer(
         BadInput: the weights are missing or damaged.
     """
     trained = load_metric(metric) if isinstance(metric, Path) else metric
-    settings = dc.replace(settings or ScoringSettings(), perturbation=_FEW)
 
     def score(
         candidates: Candidates, surface: Surface, view: ObjectView, contacts: ContactSet
     ) -> GraspScores:
         if len(candidates) == 0:
             return GraspScores()
-        fields = scene_fields(view, contacts, surface)
-        estimate = object_field(surface, view.table)
-        hints = hints_on_estimate(candidates, estimate, fused_points(view, contacts), hand, seed)
-        told = trained.predict(candidates, fields, hints, passes=_PASSES, seed=seed)
-        rating = rate_candidates(candidates, surface, view.table, hand, settings, seed)
-        sense = rating.centered * rating.held * rating.placed
-        return GraspScores(told.success * sense, told.spread * sense)
+        scene = (candidates, surface, view, contacts)
+        return learned_rating(trained, hand, seed, scene, settings).scores()
 
     return score
+
+
+@dc.dataclass(frozen=True, eq=False)
+class LearnedRating:
+    """What the learned score of n candidates is made of."""
+
+    told: Prediction
+    hints: Hints
+    sense: GraspRating  # its force-closure rate comes from few trials and does not count
+
+    def scores(self) -> GraspScores:
+        """Probability of success times physical sense."""
+        sense = self.sense.centered * self.sense.held * self.sense.placed
+        return GraspScores(self.told.success * sense, self.told.spread * sense)
+
+
+def learned_rating(
+    metric: GraspMetric,
+    hand: HandModel,
+    seed: int,
+    scene: tuple[Candidates, Surface, ObjectView, ContactSet],
+    settings: ScoringSettings | None = None,
+) -> LearnedRating:
+    """The learned metric and the factors of physical sense, one by one; see `learned_scorer`."""
+    candidates, surface, view, contacts = scene
+    settings = dc.replace(settings or ScoringSettings(), perturbation=_FEW)
+    fields = scene_fields(view, contacts, surface)
+    estimate = object_field(surface, view.table)
+    hints = hints_on_estimate(candidates, estimate, fused_points(view, contacts), hand, seed)
+    told = metric.predict(candidates, fields, hints, passes=_PASSES, seed=seed)
+    sense = rate_candidates(candidates, surface, view.table, hand, settings, seed)
+    return LearnedRating(told, hints, sense)
