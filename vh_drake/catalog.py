@@ -169,6 +169,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "Which label or score predicts that the hand alone lifts the object.",
         ("objects", "split", "scenes", "weights"),
     ),
+    "stages": Entry(
+        "vh_drake.experiments.stages",
+        "What touch, metric, planners and approaches are worth, in paired trials.",
+        (*_LIFTS, "scenes"),
+    ),
     "robustness": Entry(
         "vh_drake.experiments.robustness",
         "Lift success under friction, mass, noise and calibration errors, one at a time.",

@@ -155,7 +155,9 @@ def grasp(
     ] = None,
     touches: Annotated[int | None, typer.Option(help="Touches before planning, 0 to 5.")] = None,
     attempts: Annotated[int | None, typer.Option(help="Grasps that may be tried.")] = None,
-    scorer: Annotated[str | None, typer.Option(help="learned or conventional")] = None,
+    scorer: Annotated[
+        str | None, typer.Option(help="learned, conventional, rate, epsilon or nominal")
+    ] = None,
     contact: Annotated[str | None, typer.Option(help="hydroelastic or point")] = None,
     hand: HandOption = "",
     mass: Annotated[float | None, typer.Option(help="Of the object, in kg.")] = None,

@@ -7,10 +7,17 @@ from scenery import can_surface, can_view, right_hand
 
 from vh_drake.gpis.surface import estimate_surface
 from vh_drake.grasping.closure_rate import PerturbationSettings
+from vh_drake.grasping.field import object_field
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.grasping.scoring import ScoringSettings, rate_candidates, score_candidates
 from vh_drake.learning.calibration import Calibration
+from vh_drake.learning.labels import (
+    LabelSettings,
+    guarded_rates,
+    nominal_closure,
+    nominal_epsilon,
+)
 from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.network import GraspNetwork
 from vh_drake.scenes.rating import conventional_scorer, learned_scorer, make_scorer
@@ -91,3 +98,22 @@ def test_a_hand_that_the_metric_never_learnt_with_is_rated_conventionally(candid
     np.testing.assert_array_equal(scores.score, same.score)
     learned = make_scorer("learned", hand, 1)(candidates, estimate, view, NONE)
     assert not np.array_equal(learned.score, same.score)
+
+
+@pytest.mark.parametrize("name", ["rate", "epsilon", "nominal"])
+def test_a_baseline_is_its_measure_and_lots_decide_between_equals(name, candidates, estimate):
+    hand, view = right_hand(), can_view()
+    field, settings = object_field(estimate, view.table), LabelSettings(friction=0.8)
+    rates = LabelSettings(min_samples=24, max_samples=100, target_error=0.05)
+    expected = {
+        "rate": lambda: guarded_rates(candidates, field, hand, rates, 3).rate,
+        "epsilon": lambda: nominal_epsilon(candidates, field, hand, settings),
+        "nominal": lambda: nominal_closure(candidates, field, hand, settings),
+    }[name]()
+    scores = make_scorer(name, hand, 3)(candidates, estimate, view, NONE).score
+    np.testing.assert_allclose(scores, expected, atol=2e-6)
+    assert len(set(scores)) == len(candidates)
+    other = make_scorer(name, hand, 4)(candidates, estimate, view, NONE).score
+    if name != "rate":  # which draws disturbances too
+        assert 0 < np.abs(scores - other).max() < 2e-6
+    assert len(make_scorer(name, hand, 3)(Candidates(), estimate, view, NONE).score) == 0

@@ -164,7 +164,10 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "estimator": GpisEstimator(),
         "touch_planner": NextBestTouchPlanner(),
         "grasp_planner": GraspCandidatePlanner(
-            hand, PlannerSettings(planners=scenario.planners), scenario.seed, arm=kinematics
+            hand,
+            PlannerSettings(planners=scenario.planners, approaches=scenario.approaches),
+            scenario.seed,
+            arm=kinematics,
         ),
         "scorer": GraspScorer(make_scorer(scenario.scorer, hand, scenario.seed)),
         "behaviour": Behaviour(

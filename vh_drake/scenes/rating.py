@@ -1,11 +1,13 @@
 """Which rating the scorer uses."""
 
 import dataclasses as dc
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from vh_drake.grasping.closure_rate import PerturbationSettings
-from vh_drake.grasping.field import object_field
+from vh_drake.grasping.field import ObjectField, object_field
 from vh_drake.grasping.scoring import (
     GraspRating,
     ScoringSettings,
@@ -15,11 +17,19 @@ from vh_drake.grasping.scoring import (
 from vh_drake.hand.model import HandModel
 from vh_drake.learning.features import fused_points, scene_fields
 from vh_drake.learning.hints import Hints, hints_on_estimate
+from vh_drake.learning.labels import (
+    LabelSettings,
+    guarded_rates,
+    nominal_closure,
+    nominal_epsilon,
+)
 from vh_drake.learning.metric import GraspMetric, Prediction, load_metric
-from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface
+from vh_drake.types import Array, Candidates, ContactSet, GraspScores, ObjectView, Surface
 
 Score = Callable[[Candidates, Surface, ObjectView, ContactSet], GraspScores]
 
+_DISTURBED = LabelSettings(min_samples=24, max_samples=100, target_error=0.05)
+_LOT = 1e-6  # less than any two measures differ
 _PASSES = 8  # of dropout, for the standard error
 # Enough to see where the contacts lie and how many fingers touch.
 _FEW = PerturbationSettings(min_samples=8, max_samples=8)
@@ -32,7 +42,7 @@ def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
     conventionally, whatever the name.
 
     Args:
-        name: "learned" or "conventional".
+        name: "learned", "conventional", or one of BASELINES.
         hand: that shall grasp.
         seed: of every random choice.
 
@@ -43,7 +53,57 @@ def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
         metric = load_metric()
         if metric.card.get("hand") == hand.description.name:
             return learned_scorer(metric, hand, seed)
+    if name in BASELINES:
+        return baseline_scorer(name, hand, seed)
     return conventional_scorer(hand, seed)
+
+
+def baseline_scorer(name: str, hand: HandModel, seed: int) -> Score:
+    """A measure of the grasp on the estimate by itself; the lot decides between equals.
+
+    Args:
+        name: "rate", the force-closure rate under disturbances; "epsilon", of the undisturbed
+            grasp; "nominal", whether that is force closed (the thesis's conventional metric).
+        hand: that shall grasp.
+        seed: of disturbances and lots.
+    """
+    measure = BASELINES[name]
+
+    def score(
+        candidates: Candidates, surface: Surface, view: ObjectView, _contacts: ContactSet
+    ) -> GraspScores:
+        if len(candidates) == 0:
+            return GraspScores()
+        worth, error = measure(candidates, object_field(surface, view.table), hand, seed)
+        lots = np.random.default_rng(seed).random(len(candidates))
+        return GraspScores(worth + _LOT * lots, error)
+
+    return score
+
+
+def _rate(
+    candidates: Candidates, estimate: ObjectField, hand: HandModel, seed: int
+) -> tuple[Array, Array]:
+    rates = guarded_rates(candidates, estimate, hand, _DISTURBED, seed)
+    return rates.rate, rates.standard_error
+
+
+def _epsilon(
+    candidates: Candidates, estimate: ObjectField, hand: HandModel, _seed: int
+) -> tuple[Array, Array]:
+    return nominal_epsilon(candidates, estimate, hand, _DISTURBED), np.zeros(len(candidates))
+
+
+def _nominal(
+    candidates: Candidates, estimate: ObjectField, hand: HandModel, _seed: int
+) -> tuple[Array, Array]:
+    closed = nominal_closure(candidates, estimate, hand, _DISTURBED)
+    return closed.astype(float), np.zeros(len(candidates))
+
+
+BASELINES: Mapping[
+    str, Callable[[Candidates, ObjectField, HandModel, int], tuple[Array, Array]]
+] = {"rate": _rate, "epsilon": _epsilon, "nominal": _nominal}
 
 
 def conventional_scorer(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from vh_drake.errors import BadInput, UnknownName
 from vh_drake.grasping.planner_settings import (
+    APPROACHES,
     PLANNERS,
     PlannerSettings,
     check_planner_settings,
@@ -16,7 +17,7 @@ from vh_drake.sensing.wrist_noise import WristNoiseSettings
 from vh_drake.yaml_files import load_typed
 
 CONTACT_MODELS = ("hydroelastic", "point")
-SCORERS = ("learned", "conventional")
+SCORERS = ("learned", "conventional", "rate", "epsilon", "nominal")
 # Least and largest value of each number.
 RANGES = {
     "seed": (0, 2**31 - 1),
@@ -102,7 +103,9 @@ class Scenario:
     touches: int = 1
     # Those that propose grasps: "surface", "skeleton".
     planners: list[str] = dc.field(default_factory=lambda: list(PLANNERS))
-    # "learned" or "conventional"; hands that the metric has not learnt with: conventional.
+    # From where grasps come: "collect" from the top, "side".
+    approaches: list[str] = dc.field(default_factory=lambda: list(APPROACHES[:2]))
+    # One of SCORERS; hands that the metric has not learnt with: "conventional".
     scorer: str = "conventional"
     # How many grasps may be tried.
     attempts: int = 3
@@ -138,7 +141,9 @@ def check_scenario(scenario: Scenario) -> None:
     ):
         if name not in choices:
             raise UnknownName(kind, name[:80], list(choices))
-    check_planner_settings(PlannerSettings(planners=scenario.planners))
+    check_planner_settings(
+        PlannerSettings(planners=scenario.planners, approaches=scenario.approaches)
+    )
     _check_texts(scenario)
     for name, (low, high) in RANGES.items():
         _check_range(name, attrgetter(name)(scenario), low, high)
