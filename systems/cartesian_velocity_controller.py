@@ -1,8 +1,10 @@
 """Cartesian velocity control of the hand as a LeafSystem."""
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from vh_drake.control.cartesian_velocity import SINGULAR_THRESHOLD, cartesian_velocity_to_joints
+from vh_drake.control.joint_limits import limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
 
 
@@ -29,12 +31,19 @@ class CartesianVelocityController(LeafSystem):
     Args:
         kinematics: the arm.
         singular_threshold: singular values of the Jacobian below it are damped.
+        period_s: of the commands, where nothing comes after this system that limits
+            accelerations: then it does, from the velocities of `joint_state` on.
     """
 
     def __init__(
-        self, kinematics: ArmKinematics, *, singular_threshold: float = SINGULAR_THRESHOLD
+        self,
+        kinematics: ArmKinematics,
+        *,
+        singular_threshold: float = SINGULAR_THRESHOLD,
+        period_s: float | None = None,
     ) -> None:
         super().__init__()
+        self._period_s = period_s
         self._kinematics = kinematics
         self._singular_threshold = singular_threshold
         self._velocity = self.DeclareVectorInputPort("spatial_velocity", 6)
@@ -48,15 +57,16 @@ class CartesianVelocityController(LeafSystem):
 
     def _calc_joint_velocity(self, context: Context, output: BasicVector) -> None:
         arm = self._kinematics
-        q = self._state.Eval(context)[:8]
-        output.SetFromVector(
-            cartesian_velocity_to_joints(
-                self._velocity.Eval(context),
-                arm.jacobian(q),
-                q,
-                lower=arm.lower,
-                upper=arm.upper,
-                velocity_limits=arm.velocity_limits,
-                singular_threshold=self._singular_threshold,
-            )
+        q, now = np.split(self._state.Eval(context), 2)
+        velocity = cartesian_velocity_to_joints(
+            self._velocity.Eval(context),
+            arm.jacobian(q),
+            q,
+            lower=arm.lower,
+            upper=arm.upper,
+            velocity_limits=arm.velocity_limits,
+            singular_threshold=self._singular_threshold,
         )
+        if self._period_s is not None:
+            velocity = limited_joint_velocity(velocity, q, now, arm.limits, period_s=self._period_s)
+        output.SetFromVector(velocity)

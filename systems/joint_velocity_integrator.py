@@ -3,15 +3,14 @@
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
+from vh_drake.control.joint_limits import PERIOD_S, limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.errors import BadInput
 from vh_drake.types import Array
 
-PERIOD_S = 0.005
-
 
 class JointVelocityIntegrator(LeafSystem):
-    """Sums joint velocities up to commanded positions, which stay within the joint limits.
+    """Sums joint velocities up to commanded positions, within all limits of the joints.
 
     .. pydrake_system::
 
@@ -27,6 +26,9 @@ class JointVelocityIntegrator(LeafSystem):
     joint_velocity      in         vector (8)   rad/s        commanded
     desired_state       out        vector (16)  rad, rad/s   commanded positions, velocities
     ==================  =========  ===========  ===========  ==================================
+
+    Whatever velocities come in, the commanded ones keep the joints' velocity and acceleration
+    limits, and the joints stop before their position limits (`limited_joint_velocity`).
 
     `desired_state` depends on the state alone, so it may be fed back as the controllers'
     `joint_state` without an algebraic loop; then servo errors don't drift into the command.
@@ -61,9 +63,13 @@ class JointVelocityIntegrator(LeafSystem):
         context.SetDiscreteState(np.concatenate([self._checked(q), np.zeros(8)]))
 
     def _step(self, context: Context, values: DiscreteValues) -> None:
-        q = context.get_discrete_state_vector().value()[:8]
-        q_next = self._kinematics.clamped(q + self._period_s * self._velocity.Eval(context))
-        values.set_value(np.concatenate([q_next, (q_next - q) / self._period_s]))
+        arm = self._kinematics
+        q, velocity = np.split(context.get_discrete_state_vector().value(), 2)
+        velocity = limited_joint_velocity(
+            self._velocity.Eval(context), q, velocity, arm.limits, period_s=self._period_s
+        )
+        # Clamped, since the sum is rounded.
+        values.set_value(np.r_[arm.clamped(q + self._period_s * velocity), velocity])
 
     def _checked(self, q: Array) -> Array:
         arm = self._kinematics

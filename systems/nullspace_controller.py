@@ -1,7 +1,9 @@
 """Null-space control of the arm (eq. 4.2 to 4.7) as a LeafSystem."""
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from vh_drake.control.joint_limits import limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.null_space import GAIN, add_null_space_velocity
 
@@ -29,10 +31,15 @@ class NullspaceController(LeafSystem):
     Args:
         kinematics: the arm.
         gain: p_N; 1 to 2 suits most motions, 0 switches the avoidance off.
+        period_s: of the commands, where nothing comes after this system that limits
+            accelerations: then it does, from the velocities of `joint_state` on.
     """
 
-    def __init__(self, kinematics: ArmKinematics, *, gain: float = GAIN) -> None:
+    def __init__(
+        self, kinematics: ArmKinematics, *, gain: float = GAIN, period_s: float | None = None
+    ) -> None:
         super().__init__()
+        self._period_s = period_s
         self._kinematics = kinematics
         self._gain = gain
         self._state = self.DeclareVectorInputPort("joint_state", 16)
@@ -46,15 +53,16 @@ class NullspaceController(LeafSystem):
 
     def _calc_joint_velocity(self, context: Context, output: BasicVector) -> None:
         arm = self._kinematics
-        q = self._state.Eval(context)[:8]
-        output.SetFromVector(
-            add_null_space_velocity(
-                self._velocity.Eval(context),
-                arm.jacobian(q),
-                q,
-                lower=arm.lower,
-                upper=arm.upper,
-                velocity_limits=arm.velocity_limits,
-                gain=self._gain,
-            )
+        q, now = np.split(self._state.Eval(context), 2)
+        velocity = add_null_space_velocity(
+            self._velocity.Eval(context),
+            arm.jacobian(q),
+            q,
+            lower=arm.lower,
+            upper=arm.upper,
+            velocity_limits=arm.velocity_limits,
+            gain=self._gain,
         )
+        if self._period_s is not None:
+            velocity = limited_joint_velocity(velocity, q, now, arm.limits, period_s=self._period_s)
+        output.SetFromVector(velocity)

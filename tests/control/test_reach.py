@@ -3,6 +3,7 @@ import pytest
 
 from vh_drake.control.cartesian_position import cartesian_position_velocity
 from vh_drake.control.cartesian_velocity import cartesian_velocity_to_joints
+from vh_drake.control.joint_limits import limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.null_space import add_null_space_velocity
 from vh_drake.control.reach import rollout, solve_ik
@@ -25,7 +26,7 @@ def moved(X: np.ndarray, offset: tuple[float, float, float], turn_rad: float = 0
 
 def test_rollout_follows_the_three_controllers_step_by_step(arm):
     target = moved(arm.pose(arm.home), (0.15, 0.1, -0.1), 0.3)
-    result = rollout(arm, arm.home, [target], dt=0.02)
+    result, now = rollout(arm, arm.home, [target], dt=0.02), np.zeros(8)
     for q, q_next in zip(result.q[:-1], result.q[1:], strict=True):
         J = arm.jacobian(q)
         velocity = cartesian_velocity_to_joints(
@@ -37,8 +38,9 @@ def test_rollout_follows_the_three_controllers_step_by_step(arm):
             velocity_limits=arm.velocity_limits,
         )
         limits = {"lower": arm.lower, "upper": arm.upper, "velocity_limits": arm.velocity_limits}
-        velocity = add_null_space_velocity(velocity, J, q, **limits)
-        np.testing.assert_allclose(q_next, arm.clamped(q + 0.02 * velocity), atol=1e-9)
+        wanted = add_null_space_velocity(velocity, J, q, **limits)
+        now = limited_joint_velocity(wanted, q, now, arm.limits, period_s=0.02)
+        np.testing.assert_allclose(q_next, arm.clamped(q + 0.02 * now), atol=1e-9)
 
 
 def test_rollout_reaches_its_waypoints_within_the_tolerances(arm):
@@ -54,10 +56,12 @@ def test_rollout_reaches_its_waypoints_within_the_tolerances(arm):
     )
 
 
-def test_rollout_keeps_joint_and_velocity_limits(arm):
+def test_rollout_keeps_position_velocity_and_acceleration_limits(arm):
     result = rollout(arm, arm.home, [moved(arm.pose(arm.home), (0.3, 0.5, -0.2), 1.6)])
     assert np.all((arm.lower <= result.q) & (result.q <= arm.upper))
-    assert np.all(np.abs(np.diff(result.q, axis=0)) <= 0.02 * arm.velocity_limits + 1e-12)
+    velocity = np.diff(result.q, axis=0, prepend=result.q[:1]) / 0.02
+    assert np.all(np.abs(velocity) <= arm.velocity_limits + 1e-9)
+    assert np.all(np.abs(np.diff(velocity, axis=0)) <= 0.02 * arm.acceleration_limits + 1e-9)
 
 
 def test_rollout_gives_up_on_a_pose_beyond_the_arms_length(arm):

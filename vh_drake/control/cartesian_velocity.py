@@ -30,7 +30,8 @@ def cartesian_velocity_to_joints(
     The singular values s of J are damped only below the threshold s_0
     (Maciejewski and Klein 1988), which keeps joints slow at singular postures and the
     inverse exact elsewhere. A joint that would pass a position limit within the horizon
-    is taken out of J and the others do its work (Flacco et al. 2012). Where a joint would
+    gets the velocity that takes it there in that time, and the others do the rest of its work
+    (Flacco et al. 2012). So joints slow down before their limits. Where a joint would
     exceed its velocity limit the whole vector is scaled, so that the hand keeps its
     direction and moves more slowly.
 

@@ -13,6 +13,8 @@ from vh_drake.types import Array
 Mask = NDArray[np.bool_]
 
 SINGULAR_VALUE_FLOOR = 1e-9  # directions below count as not reachable at all
+ROUNDING_RAD = 1e-9  # of positions that are led up to a limit
+FASTEST = 1e3  # of spatial velocities [rad/s, m/s]; no joint gets anywhere near
 
 
 @njit(cache=True)
@@ -130,6 +132,13 @@ def damped_inverse_product(J: Array, velocity: Array, threshold: float) -> Array
 
 
 @njit(cache=True)
+def within(x: Array, largest: float) -> Array:
+    """The same direction, no component larger than `largest`; sums of squares can't overflow."""
+    most = np.max(np.abs(x))
+    return x if most <= largest else x / most * largest
+
+
+@njit(cache=True)
 def scale_to_limits(joint_velocity: Array, velocity_limits: Array) -> Array:
     """The same direction in joint space, no joint faster than its limit."""
     return joint_velocity / max(1.0, np.max(np.abs(joint_velocity) / velocity_limits))
@@ -153,36 +162,51 @@ def limit_avoidance(q: Array, lower: Array, upper: Array) -> Array:
 def leaves_range(velocity: Array, q: Array, lower: Array, upper: Array, horizon: float) -> Mask:
     """Which joints (n,) would pass a position limit within `horizon` [s]."""
     ahead = q + horizon * velocity
-    return ((velocity > 0.0) & (ahead > upper)) | ((velocity < 0.0) & (ahead < lower))
+    past = (ahead > upper + ROUNDING_RAD, ahead < lower - ROUNDING_RAD)
+    return ((velocity > 0.0) & past[0]) | ((velocity < 0.0) & past[1])
 
 
 @njit(cache=True)
 def joint_velocity(
     J: Array, velocity: Array, q: Array, limits: Array, threshold: float, horizon: float
 ) -> Array:
-    """Joint velocities (n,) within all limits; joints at a position limit leave the work to others.
+    """Joint velocities (n,) within all limits; what a joint near one can't do, others take over.
 
-    limits (3, n): lower, upper [rad], velocity [rad/s].
+    limits: at least lower, upper [rad], velocity [rad/s].
     """
-    J = J.copy()
+    J, velocity = J.copy(), within(velocity, FASTEST)
+    low = np.minimum((limits[0] - q) / horizon, 0.0)
+    high = np.maximum((limits[1] - q) / horizon, 0.0)
     result = damped_inverse_product(J, velocity, threshold)
+    bound = np.zeros(len(q), dtype=np.bool_)
     for _ in range(len(q) - 1):
-        blocked = leaves_range(result, q, limits[0], limits[1], horizon)
-        if not np.any(blocked):
+        kept = np.minimum(np.maximum(result, low), high)
+        beyond = (kept != result) & ~bound
+        if not np.any(beyond):
             break
         for i in range(len(q)):
-            if blocked[i]:
+            if beyond[i]:
+                velocity = velocity - J[:, i] * kept[i]
                 J[:, i] = 0.0
-        result = damped_inverse_product(J, velocity, threshold)
+        bound |= beyond
+        result = np.where(bound, kept, damped_inverse_product(J, velocity, threshold))
+    result = np.minimum(np.maximum(result, low), high)
     scaled: Array = scale_to_limits(result, limits[2])
     return scaled
 
 
 @njit(cache=True)
-def null_space_velocity(J: Array, q: Array, lower: Array, upper: Array, tolerance: float) -> Array:
-    """Equation 4.6 with an orthonormal basis."""
-    N = null_space_basis(J, tolerance)
-    velocity: Array = N @ (N.T @ limit_avoidance(q, lower, upper))
+def null_space_velocity(J: Array, q: Array, lower: Array, upper: Array, threshold: float) -> Array:
+    """Equation 4.6 with an orthonormal basis, and what `damped_inverse_product` gives up."""
+    _, s, Vt = np.linalg.svd(J, full_matrices=True)
+    wanted = limit_avoidance(q, lower, upper)
+    velocity = np.zeros(len(q))
+    for i in range(len(q)):
+        weight = 1.0
+        if i < len(s):
+            weight = max(1.0 - (s[i] / threshold) ** 2, 0.0) if s[i] < threshold else 0.0
+        if weight > 0.0:
+            velocity += weight * np.sum(Vt[i] * wanted) * Vt[i]
     return velocity
 
 
@@ -199,7 +223,7 @@ def largest_share(base: Array, addition: Array, velocity_limits: Array) -> float
 
 @njit(cache=True)
 def add_avoidance(
-    base: Array, J: Array, q: Array, limits: Array, gain: float, tolerance: float, horizon: float
+    base: Array, J: Array, q: Array, limits: Array, gain: float, threshold: float, horizon: float
 ) -> Array:
     """Equation 4.7 within all limits; a joint that it would push out of its range is held.
 
@@ -207,16 +231,48 @@ def add_avoidance(
     """
     n = len(q)
     held = np.zeros(n, dtype=np.bool_)
-    total = base.copy()
+    base = scale_to_limits(base, limits[2])
+    base[leaves_range(base, q, limits[0], limits[1], horizon)] = 0.0
     for _ in range(n - 5):
-        constraints = np.concatenate((J, np.eye(n)[held]))
-        addition = gain * null_space_velocity(constraints, q, limits[0], limits[1], tolerance)
+        moving = np.where(held, 0.0, J)  # What held joints can't do, the others don't count on.
+        addition = gain * null_space_velocity(moving, q, limits[0], limits[1], threshold)
+        addition[held] = 0.0
         total = base + largest_share(base, addition, limits[2]) * addition
         outside = leaves_range(total, q, limits[0], limits[1], horizon) & ~held
         if not np.any(outside):
             return total
         held |= outside
-    return base.copy()
+    return base
+
+
+@njit(cache=True)
+def stopping_speed(distance: float, acceleration: float, dt: float) -> float:
+    """The largest speed over one period from which a joint stops within a distance.
+
+    It moves on by v dt and then slows down by a dt a period:
+    v = sqrt(2 a d) - a dt / 2, and for a stop in the next period d / dt or a dt.
+    """
+    d = max(distance, 0.0)
+    at_once = min(d / dt, acceleration * dt)
+    return max(at_once, np.sqrt(2.0 * acceleration * d) - 0.5 * acceleration * dt)
+
+
+@njit(cache=True)
+def limited_change(wanted: Array, q: Array, velocity: Array, limits: Array, dt: float) -> Array:
+    """Joint velocities (n,) for the next period, on the straight way from `velocity` to `wanted`.
+
+    No joint exceeds its velocity or acceleration, nor moves so fast that it could not stop
+    before a position limit. Where q and velocity are such already, the position limits go first.
+    limits (4, n): lower, upper [rad], velocity [rad/s], acceleration [rad/s²].
+    """
+    now = np.minimum(np.maximum(velocity, -limits[2]), limits[2])
+    change = scale_to_limits(wanted, limits[2]) - now
+    result = now + scale_to_limits(change, limits[3] * dt)
+    for i in range(len(q)):
+        down = stopping_speed(q[i] - limits[0, i], limits[3, i], dt)
+        up = stopping_speed(limits[1, i] - q[i], limits[3, i], dt)
+        result[i] = min(max(result[i], -down), up)
+    return np.minimum(np.maximum(result, -limits[2]), limits[2])
 
 
 @njit(cache=True)
@@ -225,12 +281,12 @@ def control_step(
 ) -> Array:
     """Joint velocities (n,) of the three controllers in a row.
 
-    limits (3, n): lower, upper, velocity. bounds: angular, linear.
-    gains: position gain, singular threshold, p_N, rank tolerance, limit horizon [s].
+    limits: at least lower, upper, velocity. bounds: angular, linear.
+    gains: position gain, singular threshold, p_N, limit horizon [s].
     """
     velocity = bounded_velocity(error, gains[0], bounds[0], bounds[1])
-    result: Array = joint_velocity(J, velocity, q, limits, gains[1], gains[4])
-    return add_avoidance(result, J, q, limits, gains[2], gains[3], gains[4])
+    result: Array = joint_velocity(J, velocity, q, limits, gains[1], gains[3])
+    return add_avoidance(result, J, q, limits, gains[2], gains[1], gains[3])
 
 
 @njit(cache=True)
@@ -246,32 +302,35 @@ def roll_to_pose(
     dt: float,
     path: Array,
     start: int,
-) -> tuple[int, bool, bool]:
+) -> tuple[int, bool]:
     """Follow the controllers from path[start] to one pose; fills `path` (m, n).
 
+    limits (4, n): lower, upper [rad], velocity [rad/s], acceleration [rad/s²].
     tolerances: angle [rad], position [m], patience [s] without progress.
 
     Returns:
-        The index of the last filled row, whether the pose was reached, whether a limit held
-        a joint back.
+        The index of the last filled row, whether the pose was reached.
     """
-    best, best_row, limit_hit = np.inf, start, False
+    best, best_row = np.inf, start
+    velocity = np.zeros(path.shape[1])
+    if start > 0:
+        velocity = (path[start] - path[start - 1]) / dt
     row = start
     while True:
         X, J = forward(axes, points, X_WH0, path[row])
         error = pose_error(X_target, X)
         angle, distance = norm(error[:3]), norm(error[3:])
         if angle <= tolerances[0] and distance <= tolerances[1]:
-            return row, True, limit_hit
+            return row, True
         remaining = max(angle / tolerances[0], distance / tolerances[1])
         if remaining < 0.99 * best:
             best, best_row = remaining, row
         if row + 1 == len(path) or (row - best_row) * dt > tolerances[2]:
-            return row, False, limit_hit
-        wanted = path[row] + dt * control_step(J, error, path[row], limits, bounds, gains)
+            return row, False
+        wanted = control_step(J, error, path[row], limits, bounds, gains)
+        velocity = limited_change(wanted, path[row], velocity, limits, dt)
         row += 1
-        path[row] = np.minimum(np.maximum(wanted, limits[0]), limits[1])
-        limit_hit = limit_hit or bool(np.any(path[row] != wanted))
+        path[row] = np.minimum(np.maximum(path[row - 1] + dt * velocity, limits[0]), limits[1])
 
 
 @njit(cache=True)

@@ -1,5 +1,6 @@
 """Kinematics of one arm of ARMAR-6: pose and Jacobian of the hand, limits, gravity torques."""
 
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from vh_drake.geometry.robot_model import add_armar6
 from vh_drake.types import Array
 
 Side = Literal["right", "left"]
+Point = Sequence[float] | Array  # (3,)
 
 JOINT_STEMS = ("t12", "t23", "t34", "t45", "t56", "t67", "t78", "t8")
 SUFFIX: dict[Side, str] = {"right": "r1", "left": "r0"}
@@ -65,6 +67,8 @@ class ArmKinematics:
         torso_position_m: position of the torso joint, -0.365 (low) to 0 (high).
         payload_kg: what the hand carries besides itself, for the gravity torques.
         p_HPayload: centre of mass of the payload in the hand frame (3,) [m].
+        hand_kg: mass of the hand.
+        p_HHand: its centre of mass (3,) [m].
     """
 
     def __init__(
@@ -73,17 +77,23 @@ class ArmKinematics:
         *,
         torso_position_m: float = TORSO_POSITION_M,
         payload_kg: float = 0.0,
-        p_HPayload: tuple[float, float, float] = (-0.03, 0.0, 0.0),
+        p_HPayload: Point = (-0.03, 0.0, 0.0),
+        hand_kg: float = HAND_MASS_KG,
+        p_HHand: Point = HAND_COM_H,
     ) -> None:
         self.side: Side = side
         self.joint_names = arm_joint_names(side)
         self.torso_position_m = torso_position_m
-        self._plant = _arm_plant(side, torso_position_m, payload_kg, p_HPayload)
+        loads = {"hand": (hand_kg, p_HHand), "payload": (payload_kg, p_HPayload)}
+        self._plant = _arm_plant(side, torso_position_m, loads)
         self._context = self._plant.CreateDefaultContext()
         joints = [self._plant.GetJointByName(name) for name in self.joint_names]
         self.lower = np.array([joint.position_lower_limit() for joint in joints])  # (8,) [rad]
         self.upper = np.array([joint.position_upper_limit() for joint in joints])  # (8,) [rad]
         self.velocity_limits = np.array([joint.velocity_upper_limit() for joint in joints])
+        self.acceleration_limits = np.array(  # (8,) [rad/s^2]
+            [joint.acceleration_upper_limits()[0] for joint in joints]
+        )
         self.home = home_configuration(side)  # (8,) [rad]
         self._axes, self._points, self._X_WH0 = self._screws_at_zero(joints)
 
@@ -117,8 +127,8 @@ class ArmKinematics:
 
     @property
     def limits(self) -> Array:
-        """Rows: lower, upper [rad], velocity [rad/s]; (3, 8)."""
-        return np.stack([self.lower, self.upper, self.velocity_limits])
+        """Rows: lower, upper [rad], velocity [rad/s], acceleration [rad/s^2]; (4, 8)."""
+        return np.stack([self.lower, self.upper, self.velocity_limits, self.acceleration_limits])
 
     def _screws_at_zero(self, joints: list[RevoluteJoint]) -> tuple[Array, Array, Array]:
         context = self._plant.CreateDefaultContext()
@@ -133,20 +143,17 @@ class ArmKinematics:
 
 
 def _arm_plant(
-    side: Side,
-    torso_position_m: float,
-    payload_kg: float,
-    p_HPayload: tuple[float, float, float],
+    side: Side, torso_position_m: float, loads: Mapping[str, tuple[float, Point]]
 ) -> MultibodyPlant:
-    """The arm alone, with the masses of hand and payload at its end."""
+    """The arm alone, with masses at its end, each at a point of the hand frame."""
     other: Side = "left" if side == "right" else "right"
     fixed = dict(zip(arm_joint_names(other), home_configuration(other), strict=True))
     plant = MultibodyPlant(0.0)
     add_armar6(plant, fixed_joints=fixed | {TORSO_JOINT: torso_position_m}, visuals=False)
     hand = plant.GetFrameByName(f"hand_fixed_{SUFFIX[side]}")
-    _weld_ball(plant, hand, "hand", HAND_MASS_KG, HAND_COM_H)
-    if payload_kg > 0.0:
-        _weld_ball(plant, hand, "payload", payload_kg, p_HPayload)
+    for name, (mass_kg, p_HLoad) in loads.items():
+        if mass_kg > 0.0:
+            _weld_ball(plant, hand, name, mass_kg, p_HLoad)
     plant.Finalize()
     return plant
 
@@ -156,7 +163,7 @@ def _weld_ball(
     frame: Frame,
     name: str,
     mass_kg: float,
-    p_FBall: tuple[float, float, float],
+    p_FBall: Point,
 ) -> None:
     """A mass whose weight matters and whose shape does not."""
     inertia = SpatialInertia.SolidSphereWithMass(mass_kg, 0.05)

@@ -3,7 +3,8 @@
 import numpy as np
 
 from vh_drake.control import kernels
-from vh_drake.control.cartesian_velocity import LIMIT_HORIZON_S
+from vh_drake.control.cartesian_velocity import LIMIT_HORIZON_S, SINGULAR_THRESHOLD
+from vh_drake.errors import BadInput
 from vh_drake.types import Array
 
 GAIN = 1.5  # p_N of equation 4.7; the thesis names 1 to 2
@@ -30,15 +31,32 @@ def limit_avoidance(q: Array, lower: Array, upper: Array) -> Array:
     return avoidance
 
 
-def null_space_velocity(jacobian: Array, q: Array, lower: Array, upper: Array) -> Array:
+def null_space_velocity(
+    jacobian: Array,
+    q: Array,
+    lower: Array,
+    upper: Array,
+    *,
+    singular_threshold: float = SINGULAR_THRESHOLD,
+) -> Array:
     r"""The part of the limit avoidance that leaves the hand still (n,) (eq. 4.6).
 
     .. math:: \dot\theta^N = \sum_j N_j \, (N_j \cdot \dot\theta^a) / |N_j|^2
 
-    The sum holds for orthogonal columns N_j; they are orthonormal here.
+    The sum holds for orthogonal columns N_j; they are orthonormal here. Near a singular posture
+    the null space turns fast with the joints, towards the direction in which the hand can hardly
+    move. So that direction takes part, by 1 - s²/s_0² where its singular value s is below the
+    threshold s_0: as much as the damped inverse (`cartesian_velocity_to_joints`) gives it up.
+
+    Args:
+        jacobian: of the hand in W (6, n).
+        q: joint positions (n,) [rad].
+        lower: position limits (n,) [rad].
+        upper: position limits (n,) [rad].
+        singular_threshold: s_0; with the least positive number the null space alone counts.
     """
     velocity: Array = kernels.null_space_velocity(
-        _contiguous(jacobian), _contiguous(q), lower, upper, RANK_TOLERANCE
+        _contiguous(jacobian), _contiguous(q), lower, upper, singular_threshold
     )
     return velocity
 
@@ -52,6 +70,7 @@ def add_null_space_velocity(
     upper: Array,
     velocity_limits: Array,
     gain: float = GAIN,
+    singular_threshold: float = SINGULAR_THRESHOLD,
     limit_horizon_s: float = LIMIT_HORIZON_S,
 ) -> Array:
     r"""Joint velocities with limit avoidance added (n,) [rad/s] (eq. 4.7).
@@ -60,16 +79,22 @@ def add_null_space_velocity(
 
     Where the sum would exceed a velocity limit only the addition shrinks, since the hand's
     own motion goes first. What is best for the arm as a whole can push a single joint
-    outward: one that would pass its limit within the horizon is held, by its row in the
-    Jacobian, and the rest of the null space is used.
+    outward: one that would pass its limit within the horizon is held, and the null space of the
+    others is used. Joint velocities that come in beyond
+    the limits are scaled down, and a joint that they would drive out of its range is held.
+
+    Raises:
+        BadInput: a number is not finite.
     """
+    if not all(np.isfinite(array).all() for array in (joint_velocity, jacobian, q)):
+        raise BadInput("joint velocities, Jacobian or joint positions are not finite")
     total: Array = kernels.add_avoidance(
         _contiguous(joint_velocity),
         _contiguous(jacobian),
         _contiguous(q),
         np.stack([lower, upper, velocity_limits]).astype(float),
         gain,
-        RANK_TOLERANCE,
+        singular_threshold,
         limit_horizon_s,
     )
     return total

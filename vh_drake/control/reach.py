@@ -15,7 +15,6 @@ from vh_drake.control.cartesian_position import (
 from vh_drake.control.cartesian_velocity import LIMIT_HORIZON_S, SINGULAR_THRESHOLD
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.null_space import GAIN as NULL_SPACE_GAIN
-from vh_drake.control.null_space import RANK_TOLERANCE
 from vh_drake.errors import BadInput
 from vh_drake.types import Array
 
@@ -31,7 +30,6 @@ class RolloutResult:
     waypoints_reached: int
     position_error_m: float  # at the end, to the waypoint that was aimed at last
     angle_error_rad: float
-    limit_hit: bool  # whether a joint limit held a joint back on the way
     duration_s: float
 
 
@@ -71,17 +69,14 @@ def rollout(
     waypoints = _poses(X_WH_waypoints)
     path = np.empty((int(max_duration_s / dt) + 1, len(kinematics.lower)))
     path[0] = kinematics.clamped(q0)
-    gains = np.array(
-        [gain_per_s, SINGULAR_THRESHOLD, null_space_gain, RANK_TOLERANCE, LIMIT_HORIZON_S]
-    )
+    gains = np.array([gain_per_s, SINGULAR_THRESHOLD, null_space_gain, LIMIT_HORIZON_S])
     tolerances = np.array([angle_tolerance_rad, position_tolerance_m, PATIENCE_S])
     bounds = np.array([max_angular_rad_s, max_linear_m_s])
-    row, count, limit_hit = 0, 0, False
+    row, count = 0, 0
     for target in waypoints:
-        row, reached, hit = kernels.roll_to_pose(
+        row, reached = kernels.roll_to_pose(
             *kinematics.screws, target, kinematics.limits, bounds, gains, tolerances, dt, path, row
         )
-        limit_hit = limit_hit or hit
         if not reached:
             break
         count += 1
@@ -92,7 +87,6 @@ def rollout(
         waypoints_reached=count,
         position_error_m=float(np.linalg.norm(error[3:])),
         angle_error_rad=float(np.linalg.norm(error[:3])),
-        limit_hit=bool(limit_hit),
         duration_s=row * dt,
     )
 

@@ -9,7 +9,7 @@ from vh_drake.control import kernels
 from vh_drake.control.cartesian_position import GAIN_PER_S, MAX_ANGULAR_RAD_S, MAX_LINEAR_M_S
 from vh_drake.control.cartesian_velocity import LIMIT_HORIZON_S, SINGULAR_THRESHOLD
 from vh_drake.control.kinematics import ArmKinematics
-from vh_drake.control.null_space import GAIN, RANK_TOLERANCE
+from vh_drake.control.null_space import GAIN
 from vh_drake.geometry.meshes import Mask
 from vh_drake.types import Array
 
@@ -41,7 +41,7 @@ def reachable(arm: ArmKinematics, X_WH: Array) -> Mask:
     # Vectors (n, 12) whose distances tell how different first poses are [m].
     turns = _METRES_A_RADIAN / np.sqrt(2) * poses[:, 0, :3, :3].reshape(-1, 9)
     features = np.hstack([poses[:, 0, :3, 3], turns])
-    gains = [GAIN_PER_S, SINGULAR_THRESHOLD, GAIN, RANK_TOLERANCE, LIMIT_HORIZON_S]
+    gains = [GAIN_PER_S, SINGULAR_THRESHOLD, GAIN, LIMIT_HORIZON_S]
     controllers = _Controllers(
         arm.limits,
         np.array([MAX_ANGULAR_RAD_S, MAX_LINEAR_M_S]),
@@ -88,7 +88,7 @@ def _goes(
     """Whether the arm goes from path[0] through poses (k, 4, 4); notes where it is at the first."""
     row = 0
     for k in range(len(X_WH)):
-        row, reached, _ = kernels.roll_to_pose(
+        row, reached = kernels.roll_to_pose(
             screws[0],
             screws[1],
             screws[2],

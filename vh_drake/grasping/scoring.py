@@ -29,7 +29,7 @@ class ScoringSettings:
     contact: ContactSettings = dc.field(default_factory=ContactSettings)
     collect: CollectSettings = dc.field(default_factory=CollectSettings)
     center_scale_m: float = 0.04  # horizontal offset that costs 1 - exp(-1/2)
-    enough_fingers: float = 3.0  # beside the thumb
+    enough_fingers: float = 3.0  # beside the thumb; all where the hand has fewer
     variance_weight: float = 0.4  # what a grasp on the least certain parts loses at most
     place: PlaceSettings = dc.field(default_factory=PlaceSettings)
 
@@ -79,6 +79,8 @@ def rate_candidates(
     unknown = set(candidates.motion) - set(MOTIONS)
     if unknown:
         raise BadInput(f"unknown closing motion {sorted(unknown)}; choose of {list(MOTIONS)}")
+    most = float((hand.opposing == 0).sum())
+    settings = dc.replace(settings, enough_fingers=min(settings.enough_fingers, most))
     field = object_field(surface, table)
     certainty = vertex_certainty(surface.variance, len(surface.vertices))
     tree = cKDTree(surface.vertices)

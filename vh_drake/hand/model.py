@@ -47,6 +47,9 @@ class HandModel:
     stiffness: Array  # (n,) of the torsion springs [N m/rad]
     preload: Array  # (n,) pretension of the springs where the joint is open [rad]
     motor_of_finger: IntArray  # (f,) index into description.motors
+    mass_kg: float
+    p_HCom: Array  # (3,) centre of mass of the open hand, in H [m]
+    I_H: Array  # (3, 3) its rotational inertia about H's origin [kg m^2]
 
     @property
     def num_fingers(self) -> int:
@@ -139,6 +142,8 @@ def read_hand_model(description: HandDescription) -> HandModel:
     arrays = _arrays(plant, inspector, context, bodies, handles, description)
     slides: Array = arrays.prismatic.astype(np.float64) * np.maximum(np.abs(lower), np.abs(upper))
     motors = [motor.joint for motor in description.motors]
+    own = plant.GetBodyIndices(bodies[0].model_instance())
+    inertia = plant.CalcSpatialInertia(context, bodies[0].body_frame(), own)
     return HandModel(
         description=description,
         arrays=arrays._replace(sphere_lever=_levers(arrays, slides)),
@@ -149,6 +154,9 @@ def read_hand_model(description: HandDescription) -> HandModel:
         stiffness=stiffness,
         preload=preload,
         motor_of_finger=np.array([motors.index(f.motor) for f in description.fingers]),
+        mass_kg=inertia.get_mass(),
+        p_HCom=inertia.get_com(),
+        I_H=inertia.CalcRotationalInertia().CopyToFullMatrix3(),
     )
 
 

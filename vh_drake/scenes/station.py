@@ -68,8 +68,8 @@ def make_station(scenario: Scenario, model: ObjectModel) -> Station:
     """
     builder = DiagramBuilder()
     world = add_world(builder, scenario, model)
-    kinematics = ArmKinematics("right")
     hand = read_hand_model(world.description)
+    kinematics = ArmKinematics("right", hand_kg=hand.mass_kg, p_HHand=hand.p_HCom)
     _add_arm(builder, world.plant, world, kinematics)
     add_tendon_drive(builder, world.plant, world.hand, hand)
     _add_sensors(builder, world, scenario)
