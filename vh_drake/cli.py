@@ -235,6 +235,28 @@ def plan(
         )
 
 
+@app.command()
+def teach(
+    file: Annotated[
+        Path, typer.Argument(metavar="[FILE]", help="Of key points; loaded where it exists.")
+    ] = Path("out/teach/key_points.yaml"),
+    object_: Annotated[
+        str, typer.Option("--object", metavar="NAME|FILE", help="What lies on the table.")
+    ] = "banana",
+    seed: Annotated[int | None, typer.Option(min=0, help="Draws the object's pose.")] = None,
+    contact: Annotated[str, typer.Option(help="hydroelastic or point")] = "point",
+    hand: HandOption = "",
+    scenario: Annotated[Path | None, typer.Option(metavar="FILE", help="A YAML scenario.")] = None,
+    host: Annotated[str, typer.Option(help="Address of the page.")] = "localhost",
+) -> None:
+    """Teach a grasp: jog the simulated hand on a page, set key points, play and save them."""
+    from vh_drake.experiments.teach_command import teach as serve
+    from vh_drake.scenes.scenario import overridden
+
+    chosen = overridden(scenario, seed=seed, object=object_, contact=contact, hand=hand or None)
+    serve(chosen, file, host=host, tell=lambda line: print(line, flush=True))
+
+
 ObjectsOption = Annotated[
     Path | None, typer.Option("--objects", metavar="DIR", help="Meshes, with or without a table.")
 ]
