@@ -186,13 +186,19 @@ def _way_around(s: Situation, chosen: int, settings: ExplorerSettings) -> Array:
 
 
 def _way_out(s: Situation, reach_m: float, settings: ExplorerSettings) -> Array:
-    """The free direction (3,) next to the departure; from a cavity that is its opening."""
-    directions = np.vstack([s.departure_W, _DIRECTIONS[_DIRECTIONS @ s.contacts.n_WC[-1] > 0.1]])
-    order = np.argsort(-(directions @ s.departure_W), kind="stable")
-    directions = directions[order]
+    """The direction (3,) out of a cavity: off all contacts around, best where nothing is expected.
+
+    Where contacts lie on two sides, the departure from the last one leads to the other.
+    """
+    p, n = s.contacts.p_WC, s.contacts.n_WC
+    near = np.linalg.norm(p - p[-1], axis=1) < settings.cavity_m
+    around = n[near & (np.einsum("ij,ij->i", s.p_WTip - p, n) > 0.0)]
+    directions = np.vstack([s.departure_W, _DIRECTIONS])
+    off = (directions @ around.T).min(axis=1)
+    directions = directions[np.argsort(-off, kind="stable")]
     way = np.arange(s.tip_radius_m, reach_m, s.tip_radius_m)
-    p = s.p_WTip + way[:, None] * directions[:, None]
-    least = s.posterior.mean(p.reshape(-1, 3)).reshape(p.shape[:2]).min(axis=1)
-    free = least > settings.clearance_m
-    direction: Array = directions[int(np.argmax(free) if free.any() else np.argmax(least))]
+    places = s.p_WTip + way[:, None] * directions[:, None]
+    least = s.posterior.mean(places.reshape(-1, 3)).reshape(places.shape[:2]).min(axis=1)
+    free = (least > settings.clearance_m) & (np.sort(off)[::-1] > 0.1)
+    direction: Array = directions[int(np.argmax(free))]
     return direction
