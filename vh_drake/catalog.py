@@ -75,6 +75,11 @@ BENCHES: Mapping[str, Entry] = {
         "Both grasp planners on fused estimates: time, reach, diversity.",
         ("runs",),
     ),
+    "pipeline": Entry(
+        "vh_drake.benches.pipeline",
+        "A whole trial's time and real-time factor by contact model, on a primitive and a mesh.",
+        ("runs",),
+    ),
     "contact": Entry(
         "vh_drake.benches.contact",
         "What the wrist feels of objects that the hand approaches at three speeds.",
@@ -91,6 +96,18 @@ BENCHES: Mapping[str, Entry] = {
 }
 
 REPRODUCTIONS: Mapping[str, Entry] = {
+    "figure-3.23": Entry(
+        "vh_drake.experiments.figure_3_23",
+        "Grasps of the surface-based planner on an object known from touches alone.",
+    ),
+    "figure-3.24": Entry(
+        "vh_drake.experiments.figure_3_24",
+        "Grasps of the skeleton-based planner on an object known from touches alone.",
+    ),
+    "figure-3.25": Entry(
+        "vh_drake.experiments.figure_3_25",
+        "Two touched objects, the hands of ARMAR-III and ARMAR-6, both planners.",
+    ),
     "figure-3.38": Entry(
         "vh_drake.experiments.figure_3_38",
         "Seven touches felt by the tactile sensor's pressure, over many seeds.",
@@ -168,6 +185,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "vh_drake.experiments.labels",
         "Which label or score predicts that the hand alone lifts the object.",
         ("objects", "split", "scenes", "weights"),
+    ),
+    "closed-loop": Entry(
+        "vh_drake.experiments.closed_loop",
+        "Closing by motor positions and wrist force beside a tape, on the same scenes.",
+        (*_LIFTS, "scenes"),
     ),
     "stages": Entry(
         "vh_drake.experiments.stages",
