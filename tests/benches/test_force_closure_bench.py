@@ -10,6 +10,8 @@ def test_the_bench_agrees_with_the_program_and_is_faster(tmp_path):
     assert summary["agreement"] == 1.0
     assert 0.2 < summary["closed_share"] < 0.95
     assert summary["speedup_over_lp"] > 20
+    assert summary["epsilon_max_difference"] < 1e-12
+    assert summary["epsilon_speedup_over_hull"] > 2
     assert {"tests_per_s", "speedup_over_lp", "agreement"} <= set(summary)
 
 

@@ -1,4 +1,4 @@
-"""Force-closure tests beside SciPy's linear program and Qhull, on the same random grasps."""
+"""Force-closure tests beside SciPy's linear program, and epsilon beside Qhull's hull."""
 
 import numpy as np
 from numba import njit
@@ -6,6 +6,7 @@ from scipy.optimize import linprog
 
 from vh_drake.benches.timing import best_ms
 from vh_drake.catalog import Options
+from vh_drake.grasping.epsilon import epsilon_quality
 from vh_drake.grasping.wrench_space import (
     ContactSettings,
     is_force_closure,
@@ -33,8 +34,10 @@ def run(options: Options) -> Report:
     _decide_all(rows[:1], counts[:1])  # compiles
     tests_ms = best_ms(lambda: _decide_all(rows, counts), repeats=50) / len(grasps)
     lp_ms = best_ms(lambda: [slack(W) for W in grasps], repeats=2) / len(grasps)
-    hulls = grasps[:HULLS]
+    hulls = [W for W in grasps if is_force_closure(W)][:HULLS]
     hull_ms = best_ms(lambda: [wrench_quality(W) for W in hulls], repeats=2) / len(hulls)
+    epsilon_ms = best_ms(lambda: [epsilon_quality(W) for W in hulls], repeats=5) / len(hulls)
+    epsilon_error = max(abs(epsilon_quality(W) - wrench_quality(W).epsilon) for W in hulls)
     summary = {
         "tests_per_s": 1e3 / tests_ms,
         "speedup_over_lp": lp_ms / tests_ms,
@@ -43,6 +46,9 @@ def run(options: Options) -> Report:
         "closed_share": float(ours.mean()),
         "lp_ms": lp_ms,
         "hull_ms": hull_ms,
+        "epsilon_ms": epsilon_ms,
+        "epsilon_speedup_over_hull": hull_ms / epsilon_ms,
+        "epsilon_max_difference": epsilon_error,
     }
     settings = {"grasps": len(grasps), "seed": options.seed, "contacts": "3 to 8", "edges": 8}
     return Report("force-closure", settings, summary)

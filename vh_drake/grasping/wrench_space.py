@@ -140,14 +140,14 @@ def _solve_nonnegative(rows: Array, count: int, target: Array) -> int:
     active, weights, solution = np.empty(7, np.int64), np.zeros(7), np.zeros(7)
     Q, R = np.empty((7, 6)), np.empty((7, 7))
     residual = target.copy()
-    limit = _RESIDUAL * np.sqrt(_dot(target, target))
+    limit = _RESIDUAL * np.sqrt(dot(target, target))
     num = 0
     for _ in range(20 + count):
-        length = np.sqrt(_dot(residual, residual))
+        length = np.sqrt(dot(residual, residual))
         if length <= limit:
             return num
-        best = _steepest(rows, count, residual)
-        if _dot(rows[best], residual) <= _RESIDUAL * length or num == 6:
+        best = steepest(rows, count, residual)
+        if dot(rows[best], residual) <= _RESIDUAL * length or num == 6:
             return -1
         active[num], weights[num] = best, 0.0
         num = _descend(rows, target, active, weights, solution, num + 1, Q, R)
@@ -159,10 +159,11 @@ def _solve_nonnegative(rows: Array, count: int, target: Array) -> int:
 
 
 @njit(cache=True)
-def _steepest(rows: Array, count: int, residual: Array) -> int:
+def steepest(rows: Array, count: int, direction: Array) -> int:
+    """Which of the first rows (n, 6) reaches farthest along a direction (6,)."""
     best, value = 0, -np.inf
     for i in range(count):
-        slope = _dot(rows[i], residual)
+        slope = dot(rows[i], direction)
         if slope > value:
             best, value = i, slope
     return best
@@ -216,14 +217,14 @@ def _least_squares(
         for k in range(6):
             Q[i, k] = rows[active[i], k]
         for j in range(i):
-            R[j, i] = _dot(Q[j], Q[i])
+            R[j, i] = dot(Q[j], Q[i])
             for k in range(6):
                 Q[i, k] -= R[j, i] * Q[j, k]
-        R[i, i] = max(np.sqrt(_dot(Q[i], Q[i])), 1e-12)
+        R[i, i] = max(np.sqrt(dot(Q[i], Q[i])), 1e-12)
         for k in range(6):
             Q[i, k] /= R[i, i]
     for i in range(num - 1, -1, -1):
-        value = _dot(Q[i], target)
+        value = dot(Q[i], target)
         for j in range(i + 1, num):
             value -= R[i, j] * solution[j]
         solution[i] = value / R[i, i]
@@ -235,21 +236,22 @@ def _rank(rows: Array, count: int) -> int:
     for rank in range(6):
         best, value = -1, _RANK**2
         for i in range(count):
-            length = _dot(rows[i], rows[i])
+            length = dot(rows[i], rows[i])
             if length > value:
                 best, value = i, length
         if best < 0:
             return rank
         pivot = rows[best] / np.sqrt(value)
         for i in range(count):
-            along = _dot(rows[i], pivot)
+            along = dot(rows[i], pivot)
             for k in range(6):
                 rows[i, k] -= along * pivot[k]
     return 6
 
 
 @njit(cache=True)
-def _dot(u: Array, v: Array) -> float:
+def dot(u: Array, v: Array) -> float:
+    """The scalar product of two (6,), without a call of BLAS."""
     total: float = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
     total += u[3] * v[3] + u[4] * v[4] + u[5] * v[5]
     return total

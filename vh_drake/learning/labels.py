@@ -13,9 +13,10 @@ import numpy as np
 from vh_drake.geometry.meshes import Mask
 from vh_drake.grasping.closing import Closure, close_hand
 from vh_drake.grasping.closure_rate import PerturbationSettings, closure_rates, succession_error
+from vh_drake.grasping.epsilon import epsilon_quality
 from vh_drake.grasping.field import ObjectField
 from vh_drake.grasping.motions import CollectSettings, MotionArrays, motion_of
-from vh_drake.grasping.wrench_space import ContactSettings, wrench_matrix, wrench_quality
+from vh_drake.grasping.wrench_space import ContactSettings, wrench_matrix
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, Candidates, IntArray
 
@@ -136,7 +137,7 @@ def nominal_epsilon(
                 size_m=field.size_m,
                 settings=contact,
             )
-            epsilon[i] = wrench_quality(W).epsilon
+            epsilon[i] = epsilon_quality(W)
     return epsilon
 
 
