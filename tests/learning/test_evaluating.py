@@ -53,6 +53,14 @@ def test_precision_is_that_of_scikit_learn(scenes):
     assert mean_precision(own, "learned") == pytest.approx(expected)
 
 
+def test_scenes_without_a_grasp_that_succeeds_bound_the_best_choice(scenes):
+    hopeless = dc.replace(scenes[0], success=np.zeros(200, bool))
+    assert summarize(scenes)["top1_possible"] == 1.0
+    summary = summarize([hopeless, *scenes[1:4]])
+    assert summary["top1_possible"] == 0.75
+    assert summary["top1_success"] <= 0.75
+
+
 def test_a_metric_that_selects_nothing_has_no_precision(scenes):
     none = dc.replace(scenes[0], scores={**scenes[0].scores, "learned": np.zeros(200)})
     assert mean_precision([none], "learned") is None

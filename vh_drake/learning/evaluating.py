@@ -215,6 +215,8 @@ def _summary(scenes: Sequence[Judged]) -> dict[str, Any]:
             f"{name}_top1_success": _rounded(top1(scenes, name))
             for name in ("blind", "rate", "epsilon", "nominal")
         },
+        # What top-1 success can be at most: the other scenes offer no grasp that succeeds.
+        "top1_possible": _rounded(_mean([bool(s.success.any()) for s in scenes])),
         "candidates_succeeding_share": _rounded(float(every.success.mean())),
     }
 
