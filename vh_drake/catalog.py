@@ -89,6 +89,11 @@ BENCHES: Mapping[str, Entry] = {
         "vh_drake.benches.tendon",
         "Equilibria of the tendon-driven finger beside NLopt on eq. 4.19.",
     ),
+    "control": Entry(
+        "vh_drake.benches.control",
+        "Random reaches over the table beside Drake's differential inverse kinematics.",
+        ("runs",),
+    ),
     "gpis": Entry(
         "vh_drake.benches.gpis",
         "Surface estimation beside GPyTorch and scikit-learn: fit, append, grid, mesh, variance.",
