@@ -14,6 +14,7 @@ from vh_drake.scenes.rating import make_scorer
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.sensing.contact_point import Skin, pad_skin
 from vh_drake.sensing.ft_contact import FtContactSettings
+from vh_drake.sensing.hand_load import HandInertia
 from vh_drake.sensing.segmentation import SegmentationSettings
 from vh_drake.systems.behaviour import Behaviour, BehaviourSettings
 from vh_drake.systems.cartesian_position_controller import CartesianPositionController
@@ -180,7 +181,11 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "fingertip": Fingertip(fingertip_frame(hand)),
         "follower": TrajectoryFollower(follow),
         "selector": VelocitySelector(),
-        "contact_estimator": FtContactEstimator(touching_skin(hand), settings=FtContactSettings()),
+        "contact_estimator": FtContactEstimator(
+            touching_skin(hand),
+            HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H),
+            FtContactSettings(),
+        ),
     }
 
 
