@@ -20,6 +20,7 @@ class Options:
         contact: "point" or "hydroelastic".
         split: of objects.csv, such as "test".
         weights: of the learned metric.
+        strategies: of exploration, comma-separated, or "all".
         seed: of every random choice.
         workers: processes; 0 takes every core.
         out: folder for JSON, CSV, figures and the journal.
@@ -31,6 +32,7 @@ class Options:
     contact: str | None = None
     split: str | None = None
     weights: Path | None = None
+    strategies: str | None = None
     seed: int = 0
     workers: int = 0
     out: Path
@@ -58,6 +60,7 @@ class Entry:
 
 _METRICS = ("objects", "split", "scenes", "weights")
 _LIFTS = ("objects", "split", "contact")
+_EXPLORED = ("objects", "split", "runs", "strategies")
 
 BENCHES: Mapping[str, Entry] = {
     "force-closure": Entry(
@@ -122,6 +125,31 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "vh_drake.experiments.figure_3_39",
         "Normals of tilted plates by the tactile sensor, with and without drift.",
         ("runs",),
+    ),
+    "table-3.5": Entry(
+        "vh_drake.experiments.table_3_5",
+        "Distance, rotation, errors and contacts of exploration strategies on all objects.",
+        _EXPLORED,
+    ),
+    "appendix-a": Entry(
+        "vh_drake.experiments.appendix_a",
+        "The distances of table 3.5 by object, beside the thesis's.",
+        _EXPLORED,
+    ),
+    "figure-3.30": Entry(
+        "vh_drake.experiments.figure_3_30",
+        "Figures 3.30 to 3.35: ways around three objects, explored share over distance.",
+        ("objects", "runs"),
+    ),
+    "figure-3.36": Entry(
+        "vh_drake.experiments.figure_3_36",
+        "Distance of predicted and actual contacts on the same three objects.",
+        ("objects", "runs"),
+    ),
+    "figure-3.37": Entry(
+        "vh_drake.experiments.figure_3_37",
+        "Surface area over the distance that exploring it takes, with regressions.",
+        ("objects", "split", "runs"),
     ),
     "table-3.6": Entry(
         "vh_drake.experiments.table_3_6",

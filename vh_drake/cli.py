@@ -257,6 +257,40 @@ def teach(
     serve(chosen, file, host=host, tell=lambda line: print(line, flush=True))
 
 
+@app.command()
+def explore(
+    object_: Annotated[
+        str, typer.Argument(metavar="OBJECT", help="A name of the library, or a mesh file.")
+    ],
+    strategy: Annotated[
+        str,
+        typer.Option(help="igef, gp_variance, random, uncertainty_cost or potential_field"),
+    ] = "igef",
+    touches: Annotated[int | None, typer.Option(help="At most; until the goal else.")] = None,
+    goal: Annotated[float, typer.Option(help="Share of the surface to be explored.")] = 0.8,
+    seed: Annotated[int, typer.Option(help="Of the first approach.")] = 0,
+    scale: Annotated[float, typer.Option(help="Multiplies the mesh's coordinates.")] = 1.0,
+    objects_: Annotated[
+        Path | None, typer.Option("--objects", metavar="DIR", help="Where OBJECT is a name.")
+    ] = None,
+    record: Annotated[bool, typer.Option("--record/--no-record", help="recording.html")] = True,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="For results.")] = Path("out/explore"),
+    as_json: JsonOption = False,
+) -> None:
+    """Explore an object by touch alone, with a fingertip, until enough of it is known."""
+    from vh_drake.experiments.explore_command import ExploreRequest, explore_object
+
+    request = ExploreRequest(object_, objects_, scale, strategy, touches, goal, seed)
+    report = explore_object(request, out, record=record)
+    if as_json:
+        print(json.dumps(report, indent=2))
+    else:
+        _print_facts({k: v for k, v in report.items() if not isinstance(v, dict | list)}, False)
+        print(f"files in {out}")
+    if not report["reached"]:
+        raise typer.Exit(FAILED)
+
+
 ObjectsOption = Annotated[
     Path | None, typer.Option("--objects", metavar="DIR", help="Meshes, with or without a table.")
 ]
@@ -266,6 +300,9 @@ ContactOption = Annotated[str | None, typer.Option(help="hydroelastic or point")
 SplitOption = Annotated[str | None, typer.Option(help="Of objects.csv: test or train.")]
 WeightsOption = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Of the learned metric; the shipped ones else.")
+]
+StrategiesOption = Annotated[
+    str | None, typer.Option(help="Of exploration, comma-separated, or all.")
 ]
 SeedOption = Annotated[int, typer.Option(help="Of every random choice.")]
 WorkersOption = Annotated[int, typer.Option(help="Processes; 0 takes every core.")]
@@ -281,6 +318,7 @@ def reproduce(
     contact: ContactOption = None,
     split: SplitOption = None,
     weights: WeightsOption = None,
+    strategies: StrategiesOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = 0,
     out: OutOption = None,
@@ -296,6 +334,7 @@ def reproduce(
         contact=contact,
         split=split,
         weights=weights,
+        strategies=strategies,
         seed=seed,
         workers=workers,
         out=out or Path("out") / name,

@@ -1,0 +1,41 @@
+"""Every strategy by name, with the settings that explored the train split on the shortest ways."""
+
+import dataclasses as dc
+from collections.abc import Mapping
+
+import numpy as np
+
+from vh_drake.errors import UnknownName
+from vh_drake.exploration.explorer import ExplorerSettings
+from vh_drake.exploration.ratings import IgefSettings
+from vh_drake.exploration.strategies import (
+    GpVariance,
+    Igef,
+    PotentialField,
+    Random,
+    UncertaintyCost,
+)
+
+RADIUS_M = 0.05  # R_0 of section 3.3.2, around the last contact
+
+TUNED: Mapping[str, ExplorerSettings] = {
+    "igef": ExplorerSettings(Igef(IgefSettings(mu3_m=0.03)), RADIUS_M),
+    "gp_variance": ExplorerSettings(GpVariance(), np.inf),
+    "random": ExplorerSettings(Random(), RADIUS_M),
+    "uncertainty_cost": ExplorerSettings(UncertaintyCost(), RADIUS_M),
+    "potential_field": ExplorerSettings(PotentialField(), RADIUS_M),
+}
+
+
+def tuned(strategy: str, *, candidate_radius_m: float | None = None) -> ExplorerSettings:
+    """The settings of a strategy; None leaves the candidate radius as it is.
+
+    Raises:
+        UnknownName: no such strategy; the message lists them.
+    """
+    if strategy not in TUNED:
+        raise UnknownName("strategy", strategy, list(TUNED))
+    settings = TUNED[strategy]
+    if candidate_radius_m is None:
+        return settings
+    return dc.replace(settings, candidate_radius_m=candidate_radius_m)
