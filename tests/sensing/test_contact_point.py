@@ -4,10 +4,12 @@ from scipy.spatial.transform import Rotation
 
 from vh_drake.errors import BadInput
 from vh_drake.sensing.contact_point import (
+    Readings,
     Skin,
     capsule_skin,
     contact_normal,
     contact_point,
+    expected_approach,
     pad_skin,
 )
 
@@ -27,24 +29,71 @@ def test_the_point_that_was_pushed_is_found_through_the_noise(force_n):
     for i in rng.choice(len(skin.p_H), 200):
         clean = wrench(skin.p_H[i], -force_n * skin.n_H[i])
         noise = rng.standard_normal(6) * ([NOISE["torque_std_nm"]] * 3 + [NOISE["force_std_n"]] * 3)
-        found, _ = contact_point(skin, clean + noise, **NOISE)
+        found, _ = contact_point(skin, Readings.of(clean + noise), **NOISE)
         errors.append(np.linalg.norm(found - skin.p_H[i]))
     assert np.median(errors) < (0.008 if force_n < 0.5 else 0.004)
     assert np.max(errors) < 0.035
 
 
+def test_the_moments_give_the_sum_of_squared_misfits():
+    rng = np.random.default_rng(1)
+    wrenches, points = rng.normal(size=(9, 6)), rng.normal(size=(20, 3))
+    expected = [sum(((w[:3] - np.cross(p, w[3:])) ** 2).sum() for w in wrenches) for p in points]
+    np.testing.assert_allclose(Readings.of(*wrenches).misfit(points), expected, rtol=1e-10)
+
+
+def test_more_readings_place_a_contact_better():
+    skin = capsule_skin(A, B, RADIUS)
+    rng = np.random.default_rng(2)
+    errors = {1: [], 25: []}
+    for i in rng.choice(len(skin.p_H), 100):
+        clean = wrench(skin.p_H[i], -0.3 * skin.n_H[i])
+        noise = rng.standard_normal((25, 6)) * np.repeat([0.00015, 0.006], 3)
+        for count, found in errors.items():
+            p_H, _ = contact_point(skin, Readings.of(*(clean + noise[:count])), **NOISE)
+            found.append(np.linalg.norm(p_H - skin.p_H[i]))
+    assert np.mean(errors[25]) < 0.5 * np.mean(errors[1])
+
+
+def test_a_peak_places_a_contact_although_it_is_long_over():
+    skin = capsule_skin(A, B, RADIUS)
+    clean = wrench(skin.p_H[30], -2.0 * skin.n_H[30])
+    rng = np.random.default_rng(3)
+    after = rng.standard_normal((60, 6)) * np.repeat([0.00015, 0.006], 3)
+    p_H, _ = contact_point(skin, Readings.of(clean, *after), **NOISE)
+    np.testing.assert_allclose(p_H, skin.p_H[30], atol=0.004)
+
+
+def test_of_two_places_on_the_force_s_line_the_one_that_moves_ahead_touches():
+    p = np.array([[0.02, 0.0, 0.12], [0.02, 0.0, 0.14]])
+    skin = Skin(p, np.array([[-1.0, 0, 0], [-0.6, 0, 0.8]]), p[0])
+    reading = Readings.of(wrench(p[0], np.array([1.0, 0.0, -1.0])))
+    vague = {"force_std_n": 5.0, "torque_std_nm": 5.0}
+    for approach, place in (([-1.0, 0, 0], p[0]), ([0.0, 0, 1], p[1])):
+        found, _ = contact_point(skin, reading, approach_H=np.array(approach), **vague)
+        np.testing.assert_array_equal(found, place)
+
+
+def test_skin_and_motion_agree_on_what_is_expected():
+    approach, n = np.array([0.0, 0.0, -2.0]), np.array([0.0, 0.6, -0.8])
+    expected = expected_approach(approach, n)
+    lean = np.arctan2(expected[1], -expected[2])
+    assert 0.0 < lean < np.arctan2(0.6, 0.8) / 2
+    np.testing.assert_allclose(expected_approach(approach, approach / 2)[:2], 0.0)
+    np.testing.assert_array_equal(expected_approach(np.zeros(3), n), 0.0)
+
+
 def test_a_force_that_pulls_the_skin_is_never_explained_by_it():
     skin = capsule_skin(A, B, RADIUS)
     force = np.array([-0.5, 0.0, 0.0])
-    _, n_H = contact_point(skin, wrench(B, force), **NOISE)
+    _, n_H = contact_point(skin, Readings.of(wrench(B, force)), **NOISE)
     assert n_H @ force < 0.0
 
 
 def test_without_torque_information_the_expected_place_wins():
     skin = pad_skin(np.array([[0.02, 0.0, 0.12], [0.02, 0.03, 0.1]]), np.array([[-1.0, 0, 0]] * 2))
-    found, _ = contact_point(
-        skin, wrench(skin.p_H[-1], np.array([0.1, 0, 0])), force_std_n=0.01, torque_std_nm=10.0
-    )
+    reading = Readings.of(wrench(skin.p_H[-1], np.array([0.1, 0, 0])))
+    found, _ = contact_point(skin, reading, force_std_n=0.01, torque_std_nm=10.0)
     np.testing.assert_allclose(found, [0.02, 0.0, 0.12], atol=0.005)
 
 

@@ -112,7 +112,8 @@ def test_nothing_touches_before_the_first_tare_and_a_new_tare_forgets():
 
 def test_the_contact_stays_latched_when_the_force_goes():
     model = FtContactModel(SKIN)
-    after, state = touch(model, 0, 0.4, SKIN.p_H[40])
+    down = int(np.argmin(SKIN.n_H @ R_WH.T @ -APPROACH))
+    after, state = touch(model, 0, 0.4, SKIN.p_H[down])
     first = state.contact
     for i in range(100):
         state = model.step(state, sample(0.202 + after + DT * i))
@@ -122,6 +123,50 @@ def test_the_contact_stays_latched_when_the_force_goes():
         state = model.step(state, sample(0.202 + after + DT * i))
     assert state.contact is latched
     assert np.linalg.norm(state.force_W) < 0.06
+
+
+def test_a_jump_of_the_force_is_felt_before_the_low_pass_tells_it():
+    model = FtContactModel(SKIN)
+    slow = FtContactModel(SKIN, settings=FtContactSettings(jump_n=100.0))
+    at_once, filtered = (touch(m, 0, 5.0, SKIN.p_H[40])[0] for m in (model, slow))
+    assert at_once < filtered - 0.003
+    assert at_once < 0.014
+
+
+def test_a_jolt_of_the_arm_is_no_contact():
+    model = FtContactModel(SKIN)
+    state = tared(model, 0)
+    for i in range(200):
+        jolt = push(SKIN.p_H[0], np.array([0.0, 0.0, 0.9])) if 50 <= i < 52 else None
+        state = model.step(state, sample(0.202 + DT * i, external=jolt))
+    assert len(state.contact) == 0
+
+
+def test_a_touch_that_lasts_an_instant_is_placed_as_well_as_one_that_lasts():
+    model = FtContactModel(SKIN)
+    down = int(np.argmin(SKIN.n_H @ R_WH.T @ -APPROACH))
+    errors = []
+    for seed in range(10):
+        state = tared(model, seed)
+        for i in range(100):
+            external = push(SKIN.p_H[down], -2.0 * APPROACH) if i < 12 else None
+            state = model.step(state, sample(0.202 + DT * i, seed=seed, external=external))
+            if len(state.contact) and i < 60:
+                p_WH = sample(0.202 + DT * i).p_WH
+                last = R_WH.T @ (state.contact.p_WC[0] - p_WH) - SKIN.p_H[down]
+        errors.append(np.linalg.norm(last))
+    assert np.median(errors) < 0.004
+
+
+def test_all_of_the_state_comes_back_from_its_numbers():
+    model = FtContactModel(SKIN)
+    _, state = touch(model, 3, 0.5, SKIN.p_H[40])
+    again = FtState.from_vector(state.to_vector())
+    np.testing.assert_array_equal(again.to_vector(), state.to_vector())
+    push_on = sample(0.5, seed=3, external=push(SKIN.p_H[40], -0.5 * APPROACH))
+    np.testing.assert_array_equal(
+        model.step(again, push_on).to_vector(), model.step(state, push_on).to_vector()
+    )
 
 
 def test_a_fast_hand_needs_a_higher_force():

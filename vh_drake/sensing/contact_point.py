@@ -1,13 +1,20 @@
 r"""Where on the hand a force acts, and how the object's surface stands there.
 
 The thesis infers the place of a contact "from the model of the hand" (section 4.5.3). Here
-the torque helps: a force F at p gives :math:`\tau = p \times F`, so p lies on a line along F;
-of the points on the hand's skin the one is taken that minimises
+the torque helps: a force F at p gives :math:`\tau = p \times F`, so p lies on a line along F.
+Of the points on the hand's skin, with outward normals m, the one is taken that minimises
 
-.. math:: \frac{\|\tau - p \times F\|^2}{\sigma_\tau^2 + \|p\|^2 \sigma_F^2}
-          + \frac{\|p - \bar p\|^2}{\sigma_p^2}
+.. math:: \frac{w \sum_k \|\tau_k - p \times F_k\|^2}{\sigma_\tau^2 + \|p\|^2 \sigma_F^2}
+          + \frac{\|p - \bar p\|^2}{\sigma_p^2} + \frac{\angle(m, d)^2}{\sigma_m^2}
 
-over candidates whose skin faces the force, with the expected place :math:`\bar p` as prior.
+over all readings k of one contact, among candidates whose skin faces the force. The prior knows
+the expected place :math:`\bar p` and the direction d in which the hand moves. The sum counts
+strong readings most, so that a contact which lasts an instant is placed by its peak, and it
+needs three moments of the readings alone:
+
+.. math:: \sum_k \|\tau_k - p \times F_k\|^2 = \sum \|\tau_k\|^2
+          + 2 p \cdot \sum \tau_k \times F_k + p^\top (\operatorname{tr} S \, I - S) p,
+          \quad S = \sum F_k F_k^\top
 """
 
 import dataclasses as dc
@@ -15,7 +22,7 @@ import dataclasses as dc
 import numpy as np
 
 from vh_drake.errors import BadInput
-from vh_drake.types import Array
+from vh_drake.types import Array, Immutable
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -32,6 +39,40 @@ class Skin:
                 f"points {self.p_H.shape} and normals {self.n_H.shape} of the hand's skin must "
                 "be (n, 3), n > 0"
             )
+
+
+@dc.dataclass(frozen=True, eq=False)
+class Readings(Immutable):
+    """Moments of the wrenches that one contact gave, about Ho in H."""
+
+    force: Array = dc.field(default_factory=lambda: np.zeros(3))  # Σ F [N]
+    forces: Array = dc.field(default_factory=lambda: np.zeros((3, 3)))  # Σ F Fᵀ [N²]
+    moment: Array = dc.field(default_factory=lambda: np.zeros(3))  # Σ τ x F [N² m]
+    torque: float = 0.0  # Σ |τ|² [N² m²]
+
+    @staticmethod
+    def of(*wrenches: Array) -> "Readings":
+        """Of wrenches (6,) [N m; N]."""
+        readings = Readings()
+        for wrench in wrenches:
+            readings = readings.with_wrench(wrench)
+        return readings
+
+    def with_wrench(self, wrench_H: Array) -> "Readings":
+        """After one more."""
+        torque, force = wrench_H[:3], wrench_H[3:]
+        return Readings(
+            self.force + force,
+            self.forces + np.outer(force, force),
+            self.moment + np.cross(torque, force),
+            self.torque + float(torque @ torque),
+        )
+
+    def misfit(self, p_H: Array) -> Array:
+        """Σ |τ - p x F|² (n,) [N² m²] for points (n, 3) [m]."""
+        across = np.trace(self.forces) * np.eye(3) - self.forces
+        misfit: Array = self.torque + 2.0 * p_H @ self.moment + ((p_H @ across) * p_H).sum(axis=1)
+        return misfit
 
 
 def pad_skin(
@@ -88,34 +129,55 @@ def capsule_skin(p_HA: Array, p_HB: Array, radius_m: float, *, spacing_m: float 
 
 def contact_point(
     skin: Skin,
-    wrench_H: Array,
+    readings: Readings,
     *,
     force_std_n: float,
     torque_std_nm: float,
+    independent: float = 1.0,
     prior_std_m: float = 0.02,
+    approach_H: Array | None = None,
+    facing_std_rad: float = np.deg2rad(20.0),
 ) -> tuple[Array, Array]:
     """The likeliest contact on the skin.
 
     Args:
         skin: candidates.
-        wrench_H: (6,) [N m; N] that acts on the hand from outside, about Ho in H.
-        force_std_n: of the wrench, per axis [N].
-        torque_std_nm: of the wrench, per axis [N m].
+        readings: what acts on the hand from outside, about Ho in H.
+        force_std_n: of one reading, per axis [N].
+        torque_std_nm: of one reading, per axis [N m].
+        independent: share w of the readings that count; a filter makes them alike.
         prior_std_m: how far from the expected place contacts happen [m].
+        approach_H: (3,) direction of motion of the hand; None or zero where unknown.
+        facing_std_rad: how far the touching skin's normal is from that direction [rad].
 
     Returns:
         Point (3,) [m] and the hand's outward normal (3,) there, in H.
     """
-    torque, force = wrench_H[:3], wrench_H[3:]
-    residual = torque - np.cross(skin.p_H, force)
     variance = torque_std_nm**2 + (skin.p_H**2).sum(axis=1) * force_std_n**2
-    cost = (residual**2).sum(axis=1) / variance
+    cost = independent * readings.misfit(skin.p_H) / variance
     cost += ((skin.p_H - skin.p_HExpected) ** 2).sum(axis=1) / prior_std_m**2
-    facing = skin.n_H @ force < 0.0  # The object pushes into the skin, never pulls.
+    if approach_H is not None and (speed := float(np.linalg.norm(approach_H))) > 1e-12:
+        angle = np.arccos(np.clip(skin.n_H @ approach_H / speed, -1.0, 1.0))
+        cost += (angle / facing_std_rad) ** 2
+    facing = skin.n_H @ readings.force < 0.0  # The object pushes into the skin, never pulls.
     if facing.any():
         cost = np.where(facing, cost, np.inf)
     best = int(cost.argmin())
     return skin.p_H[best], skin.n_H[best]
+
+
+def expected_approach(approach_W: Array, n_WSkin: Array) -> Array:
+    """The direction (3,) in which the hand's skin meets the object.
+
+    Where two surfaces touch, their normals are opposite. The skin's own is known as well as
+    the place on it, so it counts half as much as the direction of motion.
+
+    Args:
+        approach_W: (3,) direction of motion; zero where unknown.
+        n_WSkin: (3,) outward unit normal of the hand where it touches.
+    """
+    speed = float(np.linalg.norm(approach_W))
+    return approach_W / speed + 0.5 * n_WSkin if speed > 1e-12 else approach_W
 
 
 def contact_normal(force_W: Array, approach_W: Array, friction: float) -> Array:

@@ -7,7 +7,8 @@ that it stays flat while the hand turns and speeds up.
 Threshold: white noise of 0.02 N at 500 Hz leaves the 10 Hz low-pass with 0.0042 N, and F_0
 is as noisy, so 0.1 N is 17 deviations away and the drift, not the noise, bounds it. A light
 object slides at 0.17 N, which a ramp passes long after 0.1 N; the filter delays by 22 ms,
-0.7 mm at 3 cm/s.
+0.7 mm at 3 cm/s. Heavy objects push harder than that delay would allow, so that a jump of the
+unfiltered force, far above its noise and what the arm's motion leaves of it, counts at once.
 """
 
 import dataclasses as dc
@@ -15,12 +16,16 @@ import math
 
 import numpy as np
 
-from vh_drake.sensing.contact_point import Skin, contact_normal, contact_point
+from vh_drake.sensing.contact_point import (
+    Readings,
+    Skin,
+    contact_normal,
+    contact_point,
+    expected_approach,
+)
 from vh_drake.sensing.hand_load import HandInertia, HandMotion, own_load
 from vh_drake.sensing.low_pass import LowPass
 from vh_drake.types import Array, ContactSet
-
-_CLEAR = 2.0  # times ΔF, above which a force is large enough to read the place anew
 
 
 @dc.dataclass
@@ -34,8 +39,10 @@ class FtContactSettings:
     fast_speed_m_s: float = 0.08  # [m/s]
     # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms.
     hold_samples: int = 5
-    # Place and normal are read anew for so long after that, while the hand rests on the object:
-    # the first rise of the force passes through fingers that still swing.
+    # So does the force before the low-pass, which moving arms leave below 0.3 N for as long [N].
+    jump_n: float = 0.8
+    jump_samples: int = 3
+    # Place and normal are read anew for so long after that, while the hand pushes the object.
     settle_samples: int = 50
     force_std_n: float = 0.02  # of one sample, per axis [N]
     torque_std_nm: float = 0.0005  # [N m]
@@ -67,24 +74,30 @@ class FtState:
     force_W: Array = dc.field(default_factory=lambda: np.zeros(3))  # F - F_0 [N]
     tare: float = 0.0  # the last request; nothing touches before the first change
     started: bool = False
-    exceeded: int = 0  # samples in a row above ΔF
+    exceeded: int = 0  # samples in a row above ΔF; once touched, all samples since then
+    jumped: int = 0  # samples in a row whose unfiltered force is above the jump
+    readings: Readings = dc.field(default_factory=Readings)  # of the contact that is under way
     contact: ContactSet = dc.field(default_factory=ContactSet)  # since the last tare
 
     def to_vector(self) -> Array:
         """All of it as numbers (STATE_SIZE,), for a discrete state."""
         touched = len(self.contact) > 0
         place = np.r_[self.contact.p_WC[0], self.contact.n_WC[0]] if touched else np.zeros(6)
-        flags = [self.tare, float(self.started), float(self.exceeded), float(touched)]
+        counts = [float(self.exceeded), float(self.jumped)]
+        flags = [self.tare, float(self.started), *counts, float(touched)]
         motion = np.r_[self.velocity_W, self.approach_W]
         parts = (motion, self.low_pass.ravel(), self.wrench_H, self.offset_H)
-        vector: Array = np.concatenate([*parts, self.force_W, flags, place])
+        read = self.readings
+        sums = np.r_[read.force, read.forces.ravel(), read.moment, read.torque]
+        vector: Array = np.concatenate([*parts, self.force_W, flags, sums, place])
         return vector
 
     @staticmethod
     def from_vector(vector: Array) -> "FtState":
         """The inverse of `to_vector`."""
-        motion, low_pass, wrench, offset, force, flags, place = np.split(vector, _STATE_SPLITS)
-        touched = flags[3] > 0
+        parts = np.split(vector, _STATE_SPLITS)
+        motion, low_pass, wrench, offset, force, flags, sums, place = parts
+        touched = flags[4] > 0
         return FtState(
             velocity_W=motion[:6],
             approach_W=motion[6:],
@@ -95,11 +108,13 @@ class FtState:
             tare=float(flags[0]),
             started=bool(flags[1] > 0),
             exceeded=int(flags[2]),
+            jumped=int(flags[3]),
+            readings=Readings(sums[:3], sums[3:12].reshape(3, 3), sums[12:15], float(sums[15])),
             contact=ContactSet(place[None, :3], place[None, 3:]) if touched else ContactSet(),
         )
 
 
-_STATE_SPLITS = np.cumsum([9, 12, 6, 6, 3, 4])
+_STATE_SPLITS = np.cumsum([9, 12, 6, 6, 3, 5, 16])
 STATE_SIZE = int(_STATE_SPLITS[-1]) + 6
 
 
@@ -134,7 +149,7 @@ class FtContactModel:
         """The state after one more sample; ignores a sample that is not finite."""
         if not _finite(sample):
             return state
-        state = self._filtered(state, sample)
+        state, outside = self._filtered(state, sample)
         if sample.tare != state.tare:
             return dc.replace(
                 state,
@@ -143,29 +158,43 @@ class FtContactModel:
                 approach_W=sample.approach_W.copy(),
                 tare=sample.tare,
                 exceeded=0,
+                jumped=0,
+                readings=Readings(),
                 contact=ContactSet(),
             )
         if state.tare == 0.0:
             return state
         difference = state.wrench_H - state.offset_H
-        force_W = sample.R_WH @ difference[3:]
-        exceeded = self._count(state, self._touches(force_W, sample))
-        state = dc.replace(state, force_W=force_W, exceeded=exceeded)
-        if not self.settings.hold_samples <= exceeded <= self._settled:
-            return state
-        clear = float(np.linalg.norm(force_W)) > _CLEAR * self.settings.threshold_n
-        if len(state.contact) and not clear:
-            return state
-        return dc.replace(state, contact=self._contact(difference, sample, state.approach_W))
+        jump = float(np.linalg.norm((outside - state.offset_H)[3:])) > self.settings.jump_n
+        state = dc.replace(
+            state,
+            force_W=sample.R_WH @ difference[3:],
+            jumped=state.jumped + 1 if jump else 0,
+        )
+        touches = jump or self._touches(state.force_W, sample)
+        state = dc.replace(state, exceeded=self._count(state, touches))
+        return self._read(state, sample, difference) if touches else state
 
     def _count(self, state: FtState, touches: bool) -> int:
-        """Samples in a row above ΔF; a contact that the finger has left stays as it is."""
-        if touches:
-            return state.exceeded + 1
-        return self._settled + 1 if len(state.contact) else 0
+        """Samples in a row above ΔF or the jump, and after the touch all that follow."""
+        if len(state.contact):
+            return min(state.exceeded, self._settled) + 1
+        if state.jumped >= self.settings.jump_samples:
+            return max(state.exceeded + 1, self.settings.hold_samples)
+        return state.exceeded + 1 if touches else 0
 
-    def _filtered(self, state: FtState, sample: FtSample) -> FtState:
-        """Takes the hand's own load off and low-passes the rest."""
+    def _read(self, state: FtState, sample: FtSample, difference_H: Array) -> FtState:
+        """Takes a reading of the contact; place and normal follow from all of them."""
+        if state.exceeded > self._settled:
+            return state
+        earlier = state.readings if state.exceeded > 1 else Readings()
+        state = dc.replace(state, readings=earlier.with_wrench(difference_H))
+        if state.exceeded < self.settings.hold_samples:
+            return state
+        return dc.replace(state, contact=self._contact(state, sample))
+
+    def _filtered(self, state: FtState, sample: FtSample) -> tuple[FtState, Array]:
+        """Takes the hand's own load off and low-passes the rest (6,), which comes along."""
         before = state.velocity_W if state.started else sample.velocity_W
         rate = (sample.velocity_W - before) / self.settings.period_s
         motion = HandMotion(sample.R_WH, sample.velocity_W[:3], rate[:3], rate[3:])
@@ -173,7 +202,7 @@ class FtContactModel:
         memory = state.low_pass if state.started else self._filter.settled(outside)
         memory, wrench_H = self._filter.step(memory, outside)
         known = np.linalg.norm(sample.approach_W) > 0  # It ends with the motion.
-        return dc.replace(
+        filtered = dc.replace(
             state,
             velocity_W=sample.velocity_W.copy(),
             approach_W=sample.approach_W.copy() if known else state.approach_W,
@@ -181,6 +210,7 @@ class FtContactModel:
             wrench_H=wrench_H,
             started=True,
         )
+        return filtered, outside
 
     def _touches(self, force_W: Array, sample: FtSample) -> bool:
         """Eq. 4.8, with a higher ΔF while the hand moves fast."""
@@ -188,17 +218,20 @@ class FtContactModel:
         threshold = self.settings.fast_threshold_n if fast else self.settings.threshold_n
         return float(np.linalg.norm(force_W)) > threshold
 
-    def _contact(self, wrench_H: Array, sample: FtSample, approach_W: Array) -> ContactSet:
-        p_H, _ = contact_point(
+    def _contact(self, state: FtState, sample: FtSample) -> ContactSet:
+        settings, R_WH = self.settings, sample.R_WH
+        p_H, n_HSkin = contact_point(
             self.skin,
-            wrench_H,
+            state.readings,
             force_std_n=self.force_std_n,
             torque_std_nm=self.torque_std_nm,
-            prior_std_m=self.settings.prior_std_m,
+            independent=settings.cutoff_hz * settings.period_s,
+            prior_std_m=settings.prior_std_m,
+            approach_H=R_WH.T @ state.approach_W,
         )
-        force_W = sample.R_WH @ wrench_H[3:]
-        n_W = contact_normal(force_W, approach_W, self.settings.friction)
-        return ContactSet((sample.p_WH + sample.R_WH @ p_H)[None], n_W[None])
+        expected_W = expected_approach(state.approach_W, R_WH @ n_HSkin)
+        n_W = contact_normal(R_WH @ state.readings.force, expected_W, settings.friction)
+        return ContactSet((sample.p_WH + R_WH @ p_H)[None], n_W[None])
 
 
 def _finite(sample: FtSample) -> bool:
