@@ -7,6 +7,7 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, State
 
+from vh_drake.control.arm_collisions import ArmCollisions
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.exploration.planar_registration import registered
 from vh_drake.exploration.touch_motion import TouchMotion, TouchMotionSettings, find_touch
@@ -137,6 +138,7 @@ class Behaviour(LeafSystem):
         hand: the hand.
         kinematics: of the arm.
         settings: how much is tried.
+        collisions: of arm and hand with robot and table, which motions must be free of.
     """
 
     def __init__(
@@ -144,9 +146,12 @@ class Behaviour(LeafSystem):
         hand: HandModel,
         kinematics: ArmKinematics,
         settings: BehaviourSettings | None = None,
+        *,
+        collisions: ArmCollisions | None = None,
     ) -> None:
         super().__init__()
         self._hand, self._kinematics = hand, kinematics
+        self._collisions = collisions
         self._settings = settings or BehaviourSettings()
         self._inputs: dict[str, InputPort] = {}
         for name, model in (
@@ -295,6 +300,7 @@ class Behaviour(LeafSystem):
             q,
             mind.view.p_WCamera,
             self._settings.touch,
+            collisions=self._collisions,
         )
         if touch is None:  # No hidden place is in reach, so the view must do.
             asked = dc.replace(mind, grasp_request=mind.grasp_request + 1)
@@ -341,11 +347,18 @@ class Behaviour(LeafSystem):
         scene = obstacles(self._inputs["surface"].Eval(context), mind.view.table)
         q = self._inputs["joint_state"].Eval(context)[:8]
         found = find_grasp(
-            candidates, order, scene, self._hand, self._kinematics, q, self._settings.grasp
+            candidates,
+            order,
+            scene,
+            self._hand,
+            self._kinematics,
+            q,
+            self._settings.grasp,
+            collisions=self._collisions,
         )
         if found is None:
             return mind.giving_up(
-                f"the arm can reach none of {len(candidates)} planned grasps; "
+                f"the arm can carry out none of {len(candidates)} planned grasps; "
                 "turn the object or put it nearer to (0.7, -0.3) m"
             )
         index, legs = found

@@ -106,3 +106,28 @@ def test_the_arm_follows_the_approach_and_the_lift(side_grasps):
     lifted = way[-1].copy()
     lifted[2, 3] += SETTINGS.lift_m
     assert rollout(arm, arm.home, [*way, lifted]).reached
+
+
+def test_a_way_that_collides_is_refused_and_the_next_one_taken(side_grasps):
+    arm, hand = right_arm(), right_hand()
+
+    class Refusing:
+        """Finds a collision in the first motions that it is asked about."""
+
+        def __init__(self, count):
+            self.count, self.heights = count, []
+
+        def first(self, q, table_height_m):
+            self.heights.append(table_height_m)
+            return "collision" if len(self.heights) <= self.count else None
+
+    order = range(len(side_grasps))
+    plain = find_grasp(side_grasps, order, can_scene(), hand, arm, arm.home)
+    twice = Refusing(2)
+    later = find_grasp(side_grasps, order, can_scene(), hand, arm, arm.home, collisions=twice)
+    assert later[0] > plain[0]
+    np.testing.assert_allclose(twice.heights, 0.9)
+    never = Refusing(1000)
+    assert (
+        find_grasp(side_grasps, order, can_scene(), hand, arm, arm.home, collisions=never) is None
+    )

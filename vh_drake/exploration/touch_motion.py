@@ -10,6 +10,7 @@ from itertools import chain
 
 import numpy as np
 
+from vh_drake.control.arm_collisions import ArmCollisions
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.reach import rollout
 from vh_drake.exploration.trajectory import approach_curves
@@ -145,6 +146,8 @@ def find_touch(
     q: Array,
     p_WCamera: Array,
     settings: TouchMotionSettings | None = None,
+    *,
+    collisions: ArmCollisions | None = None,
 ) -> TouchMotion | None:
     """The first plan, with the first roll, that the arm can do and that meets a hidden place.
 
@@ -156,6 +159,7 @@ def find_touch(
         q: its joint positions now (8,) [rad].
         p_WCamera: (3,) optical centre that the touched place shall face away from [m].
         settings: distances and postures.
+        collisions: of arm and hand with robot and table, which the way must be free of.
 
     Returns:
         None where no plan is feasible.
@@ -170,7 +174,9 @@ def find_touch(
             continue
         pad = fingertip_frame(hand)
         motion = _motion(plan, X_WH, pad, scene, hand, X_WH_now, settings)
-        if _reaches(kinematics, q, motion, X_WH, plan.n_WT, settings):
+        search = shifted(X_WH, -settings.beyond_m * plan.n_WT)
+        way = rollout(kinematics, q, [*(leg.X_WH for leg in motion.legs[:-2]), search])
+        if way.reached and not (collisions and collisions.first(way.q, scene.table_height_m)):
             predicted = dc.replace(motion.plan, p_WT=p_WC, n_WT=n_WC)
             best, least = dc.replace(motion, plan=predicted), facing
         if least <= settings.most_facing_camera or (best and count > settings.most_compared):
@@ -298,16 +304,3 @@ def _rise(hand: HandModel, before: Array, scene: Obstacles, s: TouchMotionSettin
     lowest = link_clearance(hand, before, scene)[1]
     frame = float(scene.table.height(before[:3, 3]))
     return max(scene.top_m + s.safe_height_m - lowest, s.least_transit_m - frame, 0.0)
-
-
-def _reaches(
-    kinematics: ArmKinematics,
-    q: Array,
-    motion: TouchMotion,
-    X_WH: Array,
-    n_WT: Array,
-    s: TouchMotionSettings,
-) -> bool:
-    search = shifted(X_WH, -s.beyond_m * n_WT)
-    waypoints = [*(leg.X_WH for leg in motion.legs[:-2]), search]
-    return rollout(kinematics, q, waypoints).reached

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from vh_drake.control.arm_collisions import ArmCollisions
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.reach import rollout
 from vh_drake.hand.clearance import Obstacles, link_clearance
@@ -39,6 +40,8 @@ def find_grasp(
     kinematics: ArmKinematics,
     q: Array,
     settings: GraspMotionSettings | None = None,
+    *,
+    collisions: ArmCollisions | None = None,
 ) -> tuple[int, tuple[Leg, ...]] | None:
     """The best candidate that the arm can execute, and its motion.
 
@@ -50,6 +53,7 @@ def find_grasp(
         kinematics: of the arm.
         q: its joint positions now (8,) [rad].
         settings: distances and times.
+        collisions: of arm and hand with robot and table, which the way must be free of.
 
     Returns:
         Index of the candidate and legs; None where the arm can reach none.
@@ -66,7 +70,8 @@ def find_grasp(
         )
         lifted = approach[-1].copy()
         lifted[:3, 3] += settings.lift_m * scene.table.normal
-        if rollout(kinematics, q, [*approach, lifted]).reached:
+        way = rollout(kinematics, q, [*approach, lifted])
+        if way.reached and not (collisions and collisions.first(way.q, scene.table_height_m)):
             motion = candidates.motion[index]
             return index, _legs(approach, motion, hand, kinematics.pose(q), settings)
     return None

@@ -23,6 +23,11 @@ class Obstacles:
     top_m: float  # height of the object over the table
     center: Array  # (3,) middle of the object's surface [m]
 
+    @property
+    def table_height_m(self) -> float:
+        """Of the table's top below the object, over the floor."""
+        return float(self.center[2] - self.table.height(self.center) / self.table.normal[2])
+
 
 def obstacles(surface: Surface, table: Plane) -> Obstacles:
     """The estimate as an obstacle.

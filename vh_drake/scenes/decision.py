@@ -3,6 +3,7 @@
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
+from vh_drake.control.arm_collisions import ArmCollisions, TableTop
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.exploration.follow import FollowSettings
 from vh_drake.exploration.touch_motion import TouchMotionSettings, fingertip_frame, pads_in_hand
@@ -175,6 +176,7 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
             hand,
             kinematics,
             BehaviourSettings(touches=scenario.touches, attempts=scenario.attempts),
+            collisions=_collisions(scenario, hand, kinematics),
         ),
         "executor": GraspExecutor(hand, kinematics.pose(kinematics.home)),
         "position_controller": CartesianPositionController(),
@@ -187,6 +189,14 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
             FtContactSettings(),
         ),
     }
+
+
+def _collisions(scenario: Scenario, hand: HandModel, kinematics: ArmKinematics) -> ArmCollisions:
+    """The robot knows itself, and where its table stands."""
+    x, y = scenario.table.center
+    length, width = scenario.table.size
+    table = TableTop((x, y), (length, width))
+    return ArmCollisions(kinematics, hand.description.model, hand.description.base, table)
 
 
 def touching_skin(hand: HandModel) -> Skin:
