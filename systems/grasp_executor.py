@@ -14,6 +14,9 @@ from vh_drake.types import Array, Immutable, TouchPlan
 
 PERIOD_S = 0.01
 STALL = 0.03  # share of its travel by which a stalled motor lags behind its command
+# A closing hand yields to forces on it, level, at a speed for each newton over a threshold that
+# its own motion does not reach.
+YIELD_M_S_N, YIELD_OVER_N, YIELD_MOST_M_S, YIELD_MOST_M = 0.01, 1.0, 0.02, 0.02
 SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.004, 0.03, 2.0
 
 
@@ -28,6 +31,8 @@ class _Run(Immutable):
     motors0: Array = dc.field(default_factory=lambda: np.zeros(0))
     offset0: Array = dc.field(default_factory=lambda: np.eye(4))  # closing offset there
     held: Array | None = None  # hand pose since the motors stalled in a closing leg
+    shift: Array = dc.field(default_factory=lambda: np.zeros(3))  # by which it has yielded [m]
+    resisted: Array = dc.field(default_factory=lambda: np.zeros(3))  # sum of forces since opened
     tare: int = 0
     done: int = 0
     felt: bool = False
@@ -42,6 +47,21 @@ class _Run(Immutable):
 def _raised(X_WH: Array, rise_m: float) -> Array:
     X = X_WH.copy()
     X[2, 3] += rise_m
+    return X
+
+
+def _towards(X_WH: Array, resisted: Array, way_m: float) -> Array:
+    """Moved against the forces that a closing hand felt, which come from the object."""
+    X = X_WH.copy()
+    size = float(np.linalg.norm(resisted))
+    if size > 0:
+        X[:3, 3] -= way_m * resisted / size
+    return X
+
+
+def _shifted(X_WH: Array, shift: Array) -> Array:
+    X = X_WH.copy()
+    X[:3, 3] += shift
     return X
 
 
@@ -91,10 +111,12 @@ class GraspExecutor(LeafSystem):
 
     In a closing leg the hand follows the fingers' measured travel until a motor stalls: from
     then on the fingers are not where their motors say, and the hand stands still, or it would
-    press the object into the table.
+    press the object into the table. It yields, level, to forces that push it: an object that
+    one finger meets before its opponents brings the hand over itself. A tape does neither.
 
     A leg ends when its time is over and the hand has arrived (or is late by 2 s), a guarded
-    leg also at a contact. A program whose touch curve was missed ends.
+    leg also at a contact. Where a leg ends with less weight on the wrist than it wants, its other
+    legs follow instead of the rest. A program whose touch curve was missed ends.
 
     Args:
         hand: the hand that moves.
@@ -155,11 +177,28 @@ class GraspExecutor(LeafSystem):
             run = self._begin(context, dc.replace(run, program=program, leg=0, motors0=motors))
         elif (ended := self._ended(context, run)) is not None:
             run = self._next(context, run, felt=ended)
-        elif self._stalls(context, run):
-            run = dc.replace(run, held=self._closing_pose(context, run))
-        else:
+        elif run.current is None or not run.current.closing or run.current.tape:
             return
+        else:
+            if self._stalls(context, run):
+                run = dc.replace(run, held=self._closing_pose(context, run))
+            run = self._yielding(context, run)
         state.get_mutable_abstract_state(0).set_value(run)
+
+    def _yielding(self, context: Context, run: _Run) -> _Run:
+        """The run after a period in which the hand gave way to the force on it."""
+        force = self._force.Eval(context) * [1.0, 1.0, 0.0]
+        size = float(np.linalg.norm(force))
+        if size <= YIELD_OVER_N:
+            return run
+        run = dc.replace(run, resisted=run.resisted + force)
+        if run.current is None or not run.current.yields:
+            return run
+        speed = min(YIELD_M_S_N * (size - YIELD_OVER_N), YIELD_MOST_M_S)
+        shift = run.shift + speed * PERIOD_S * force / size
+        if np.linalg.norm(shift) > YIELD_MOST_M:
+            shift = run.shift
+        return dc.replace(run, shift=shift)
 
     def _begin(self, context: Context, run: _Run) -> _Run:
         """The running leg starts here and now."""
@@ -167,16 +206,22 @@ class GraspExecutor(LeafSystem):
         X_WH0 = self._pose.Eval(context).GetAsMatrix4()
         if leg is None:
             return dc.replace(run, done=run.program.id, X_WH0=X_WH0)
-        fraction = self._fraction.Eval(context)
+        fraction = run.motors0 if leg.tape else self._fraction.Eval(context)
         offset = closing_offset(self._hand, leg.closing, fraction) if leg.closing else np.eye(4)
         if leg.rise_m is not None:
             run = _with_leg(run, dc.replace(leg, X_WH=_raised(X_WH0, leg.rise_m)))
+        elif leg.seek_m:
+            run = _with_leg(run, dc.replace(leg, X_WH=_towards(X_WH0, run.resisted, leg.seek_m)))
+        held = None
+        if leg.closing and run.held is not None:
+            held = _shifted(run.held, run.shift)
         return dc.replace(
             run,
             since_s=context.get_time(),
             X_WH0=X_WH0,
             offset0=offset,
-            held=run.held if leg.closing else None,
+            held=held,
+            shift=np.zeros(3),
             tare=run.tare + leg.guarded,
         )
 
@@ -186,6 +231,9 @@ class GraspExecutor(LeafSystem):
         assert leg is not None
         motors = self._motors(context, run)
         run = dc.replace(run, motors0=motors, felt=felt if leg.guarded else run.felt)
+        if leg.otherwise and -self._force.Eval(context)[2] < leg.least_load_n:
+            program = dc.replace(run.program, legs=leg.otherwise)
+            return self._begin(context, dc.replace(run, program=program, leg=0))
         if leg.touch is not None or run.leg + 1 == len(run.program.legs):
             X_WH = self._pose.Eval(context).GetAsMatrix4()
             keep = leg.X_WH if not felt and leg.touch is None and not leg.closing else X_WH
@@ -233,8 +281,8 @@ class GraspExecutor(LeafSystem):
     def _stalls(self, context: Context, run: _Run) -> bool:
         """Whether an object stops a motor of a closing hand for the first time."""
         leg = run.current
-        if leg is None or not leg.closing or run.held is not None:
-            return False
+        if leg is None or run.held is not None or leg.motors.max() < 1e-9:
+            return False  # An opening hand leaves what stops it.
         lag = self._motors(context, run) - self._fraction.Eval(context)
         return bool(lag.max() > STALL)
 
@@ -242,7 +290,8 @@ class GraspExecutor(LeafSystem):
         """The hand pose (4, 4) that goes with the fingers' measured travel."""
         leg = run.current
         assert leg is not None
-        now = closing_offset(self._hand, leg.closing, self._fraction.Eval(context))
+        travel = self._motors(context, run) if leg.tape else self._fraction.Eval(context)
+        now = closing_offset(self._hand, leg.closing, travel)
         X_WH: Array = run.X_WH0 @ np.linalg.inv(run.offset0) @ now
         return X_WH
 
@@ -252,7 +301,8 @@ class GraspExecutor(LeafSystem):
         if leg is None:
             X_WH = run.X_WH0
         elif leg.closing:
-            X_WH = self._closing_pose(context, run) if run.held is None else run.held
+            still = self._closing_pose(context, run) if run.held is None else run.held
+            X_WH = _shifted(still, run.shift)
         else:
             share = self._share(context, run, leg)
             share = min(max(share, 0.0), 1.0) if leg.guarded else smooth(share)

@@ -1,12 +1,29 @@
 """What the systems share that work for long, but only when asked."""
 
 import abc
+import dataclasses as dc
 from collections.abc import Mapping, Sequence
 
 from pydrake.common.value import Value
-from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
+from pydrake.systems.framework import (
+    AbstractStateIndex,
+    BasicVector,
+    Context,
+    EventStatus,
+    LeafSystem,
+    State,
+)
+
+from vh_drake.types import Immutable
 
 PERIOD_S = 0.02
+
+
+@dc.dataclass(frozen=True, eq=False)
+class _Kept(Immutable):
+    """An answer; a tuple by itself would be copied member by member in every update."""
+
+    value: object
 
 
 class OnRequest(LeafSystem):
@@ -38,11 +55,18 @@ class OnRequest(LeafSystem):
     def __init__(self, outputs: Mapping[str, object], period_s: float = PERIOD_S) -> None:
         super().__init__()
         self._request = self.DeclareVectorInputPort("request", 1)
-        self._answers = [self.DeclareAbstractState(Value[object](x)) for x in outputs.values()]
+        self._answers = [
+            self.DeclareAbstractState(Value[object](_Kept(x))) for x in outputs.values()
+        ]
         self._served = self.DeclareDiscreteState(1)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period_s, 0.0, self._serve)
-        for name, index in zip(outputs, self._answers, strict=True):
-            self.DeclareStateOutputPort(name, index)
+        for (name, first), index in zip(outputs.items(), self._answers, strict=True):
+            self.DeclareAbstractOutputPort(
+                name,
+                lambda first=first: Value[object](first),
+                lambda context, output, index=index: self._calc_answer(context, output, index),
+                prerequisites_of_calc={self.abstract_state_ticket(index)},
+            )
         self.DeclareVectorOutputPort(
             "served", 1, self._calc_served, prerequisites_of_calc={self.xd_ticket()}
         )
@@ -56,9 +80,13 @@ class OnRequest(LeafSystem):
         if request in (0.0, context.get_discrete_state(self._served)[0]):
             return EventStatus.DidNothing()
         for index, answer in zip(self._answers, self.answer(context), strict=True):
-            state.get_mutable_abstract_state(index).set_value(answer)
+            state.get_mutable_abstract_state(index).set_value(_Kept(answer))
         state.get_mutable_discrete_state(self._served).set_value([request])
         return EventStatus.Succeeded()
+
+    def _calc_answer(self, context: Context, output: Value, index: AbstractStateIndex) -> None:
+        kept: _Kept = context.get_abstract_state(index).get_value()
+        output.set_value(kept.value)
 
     def _calc_served(self, context: Context, output: BasicVector) -> None:
         output[0] = context.get_discrete_state(self._served)[0]

@@ -9,6 +9,7 @@ from pydrake.multibody.tree import Joint
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from vh_drake.errors import BadInput
+from vh_drake.sensing.hand_load import cross
 from vh_drake.sensing.wrist_noise import WristNoiseSettings, wrist_noise
 
 
@@ -77,6 +78,6 @@ class WristSensor(LeafSystem):
         R_HJ = self._X_HJ.rotation()
         force_H = R_HJ @ reactions[self._ordinal].translational()
         torque_H = R_HJ @ reactions[self._ordinal].rotational()
-        torque_H += np.cross(self._X_HJ.translation(), force_H)
+        torque_H += cross(self._X_HJ.translation(), force_H)
         noise = wrist_noise(context.get_time(), self._seed, self._settings)
         output.SetFromVector(noise - np.concatenate([torque_H, force_H]))

@@ -78,6 +78,11 @@ BENCHES: Mapping[str, Entry] = {
         "Both grasp planners on fused estimates: time, reach, diversity.",
         ("runs",),
     ),
+    "soak": Entry(
+        "vh_drake.benches.soak",
+        "Whole trials in a row in one process: crashes, finite numbers, memory, repetition.",
+        ("runs",),
+    ),
     "pipeline": Entry(
         "vh_drake.benches.pipeline",
         "A whole trial's time and real-time factor by contact model, on a primitive and a mesh.",

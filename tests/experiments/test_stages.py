@@ -3,7 +3,7 @@ import pytest
 from scipy.stats import bootstrap
 
 from vh_drake.catalog import Options
-from vh_drake.experiments import stages
+from vh_drake.experiments import closed_loop, stages
 from vh_drake.experiments.lift_trials import make_scenario
 from vh_drake.experiments.stages import VARIANTS, WHOLE, paired_interval
 
@@ -57,3 +57,17 @@ def test_the_interval_is_that_of_the_percentile_bootstrap():
         (a - b,), np.mean, method="percentile", n_resamples=10_000, rng=1
     ).confidence_interval
     np.testing.assert_allclose(paired_interval(a, b, 0), expected, atol=0.01)
+
+
+def test_closed_and_open_loop_meet_the_same_scenes(monkeypatch, tmp_path):
+    modes = {}
+
+    def outcomes(tasks, *_):
+        for key, task in tasks.items():
+            modes.setdefault(make_scenario(task["scenario"]).closing, []).append(key.split(": ")[1])
+        return [{"object": key, "lifted": "closed" in key} for key in tasks]
+
+    monkeypatch.setattr(stages, "run_trials", outcomes)
+    summary = closed_loop.run(Options(scenes=30, out=tmp_path)).summary
+    assert modes["closed_loop"] == modes["open_loop"]
+    assert summary["success"] == summary["gain over open loop"] == 1.0

@@ -5,7 +5,13 @@ import pytest
 from scenery import can_scene, can_surface, can_view, right_arm, right_hand
 
 from vh_drake.control.reach import rollout
-from vh_drake.grasping.approach import GraspMotionSettings, approach_poses, find_grasp
+from vh_drake.grasping.approach import (
+    GraspMotionSettings,
+    approach_poses,
+    closing_legs,
+    find_grasp,
+)
+from vh_drake.grasping.phases import hand_is_open
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.clearance import link_clearance
@@ -97,6 +103,31 @@ def test_a_collecting_grasp_gathers_first(side_grasps):
     half = right_hand().motor_fractions(SETTINGS.gather_fingers, SETTINGS.gather_thumb)
     np.testing.assert_array_equal(legs["gather"].motors, half)
     assert all(legs[name].closing == "collect" for name in ("gather", "close", "squeeze"))
+
+
+def test_an_open_loop_plays_a_tape_and_a_closed_one_does_not():
+    hand, X_WH = right_hand(), np.eye(4)
+    for closing, tape in (("open_loop", True), ("closed_loop", False)):
+        settings = dc.replace(SETTINGS, closing=closing, yields=True, weigh_m=0.02)
+        legs = closing_legs(X_WH, "collect", hand, settings)
+        fingers = [leg for leg in legs if leg.closing]
+        assert [leg.name for leg in fingers] == ["gather", "close", "squeeze"]
+        assert all(leg.tape == tape and leg.yields != tape for leg in fingers)
+        assert any(leg.otherwise for leg in legs) != tape
+        assert sum(leg.rise_m or 0.0 for leg in legs) == pytest.approx(SETTINGS.lift_m)
+
+
+def test_an_empty_hand_closes_once_more_from_where_it_began():
+    settings = dc.replace(SETTINGS, weigh_m=0.02)
+    legs = closing_legs(np.eye(4), "collect", right_hand(), settings)
+    (weighed,) = [leg for leg in legs if leg.otherwise]
+    assert weighed.least_load_n > 0
+    again = weighed.otherwise
+    assert again[0].rise_m == pytest.approx(-weighed.rise_m)
+    assert not any(leg.otherwise for leg in again)
+    names = [leg.name for leg in again]
+    assert names[1:4] == ["open again", "seek", "gather"]
+    assert not any(hand_is_open(f"grasp: {name}") for name in names)
 
 
 def test_the_arm_follows_the_approach_and_the_lift(side_grasps):

@@ -10,7 +10,14 @@ from vh_drake.grasping.closing_pose import closing_offset
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
 from vh_drake.hand.program import Leg, MotionProgram, interpolate, smooth
-from vh_drake.systems.grasp_executor import PATIENCE_S, PERIOD_S, GraspExecutor
+from vh_drake.systems.grasp_executor import (
+    PATIENCE_S,
+    PERIOD_S,
+    YIELD_MOST_M,
+    YIELD_MOST_M_S,
+    YIELD_OVER_N,
+    GraspExecutor,
+)
 from vh_drake.types import TouchPlan
 
 HAND = read_hand_model(load_hand(models_folder() / "armar6_hand" / "armar6_hand.yaml"))
@@ -203,6 +210,55 @@ def test_a_closing_hand_follows_the_measured_travel(caching):
     assert np.abs(expected - HOME).max() > 0.005
     leaf.advance(0.3)  # Time alone moves the motors, not the hand.
     np.testing.assert_allclose(target(leaf), expected, atol=1e-12)
+
+
+def test_a_tape_follows_the_commanded_travel_whatever_the_fingers_do():
+    leg = Leg("close", HOME, CLOSED, 0.5, closing="collect", tape=True)
+    leaf = executor(leg)
+    leaf.advance(0.3)
+    motors = leaf.get("motor_command")
+    assert motors.min() > 0.5  # The measured travel is still 0.
+    start, now = (closing_offset(HAND, "collect", f) for f in (OPEN, motors))
+    np.testing.assert_allclose(target(leaf), HOME @ np.linalg.inv(start) @ now, atol=1e-12)
+
+
+def test_a_yielding_hand_moves_level_with_the_force_on_it_and_not_far():
+    leg = Leg("close", HOME, CLOSED, 5.0, closing="side", yields=True)
+    stiff = executor(dc.replace(leg, yields=False), force=[3.0, 4.0, 5.0]).advance(0.5)
+    np.testing.assert_allclose(target(stiff), HOME, atol=1e-12)
+    leaf = executor(leg, force=[3.0, 4.0, 5.0])
+    leaf.advance(0.5)
+    way = target(leaf)[:3, 3] - HOME[:3, 3]
+    np.testing.assert_allclose(way / np.linalg.norm(way), [0.6, 0.8, 0.0], atol=1e-9)
+    assert np.linalg.norm(way) == pytest.approx(YIELD_MOST_M_S * 0.5, rel=0.1)
+    leaf.advance(3.0)
+    assert np.linalg.norm(target(leaf)[:3, 3] - HOME[:3, 3]) <= YIELD_MOST_M
+    weak = executor(leg, force=[0.9 * YIELD_OVER_N, 0.0, 20.0]).advance(0.5)
+    np.testing.assert_allclose(target(weak), HOME, atol=1e-12)
+
+
+def weighing(force):
+    """A hand that has closed, lifts, and wants to feel a weight of 1 N at the end."""
+    close = Leg("close", HOME, CLOSED, 0.3, closing="side")
+    seek = Leg("seek", HOME, OPEN, 0.3, seek_m=0.02)
+    lift = Leg("lift", HOME, CLOSED, 0.3, rise_m=0.0, least_load_n=1.0, otherwise=(seek, GO))
+    leaf = executor(close, lift, dc.replace(GO, name="on"), force=[2.0, 0.0, 0.0])
+    leaf.advance(0.35)
+    assert leaf.get("progress").leg == "lift"
+    return leaf.fix(force=force).advance(0.32)
+
+
+def test_a_hand_that_feels_the_weight_goes_on():
+    assert weighing([0.0, 0.0, -1.5]).get("progress").leg == "on"
+
+
+def test_an_empty_hand_seeks_the_object_where_it_resisted():
+    leaf = weighing([0.0, 0.0, -0.5])
+    assert leaf.get("progress").leg == "seek"
+    leaf.advance(0.4)  # What pushed the hand along +x lies before it along -x.
+    np.testing.assert_allclose(target(leaf)[:3, 3] - HOME[:3, 3], [-0.02, 0, 0], atol=1e-9)
+    at(leaf, place(-0.02)).advance(2 * PERIOD_S)
+    assert leaf.get("progress").leg == "go"
 
 
 def test_a_new_id_starts_a_new_program_from_here_without_a_jump():

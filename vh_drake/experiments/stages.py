@@ -4,7 +4,7 @@ Every variant leaves one stage out or puts another in its place, and meets the s
 and sensor noise as the whole pipeline: what differs is due to that stage. One attempt counts.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -46,36 +46,56 @@ def run(options: Options) -> Report:
     Raises:
         BadInput: folder or options are unusable.
     """
+    rows, settings = run_variants(VARIANTS, options, touches=1, scorer=_METRIC)
+    table = variant_rows(rows, list(VARIANTS), options.seed)
+    return Report("stages", settings, gains(table), {}, [*table, *rows])
+
+
+def run_variants(
+    variants: Mapping[str, Mapping[str, Any]], options: Options, **changes: Any
+) -> tuple[list[Row], Row]:
+    """Trials of the same scenes with every variant, one attempt each.
+
+    Args:
+        variants: changes of the scenario by name.
+        options: objects, split, scenes, contact, seed, workers, out.
+        changes: of the scenario in all variants.
+
+    Returns:
+        A row a trial with the variant's name, and the settings that the rows depend on.
+
+    Raises:
+        BadInput: folder or options are unusable.
+    """
     objects, left_out = chosen_objects(options)
     count, contact = options.scenes or SCENES, options.contact or "point"
-    chosen = scenes(objects, count, options.seed)
     tasks = {
         f"{name}: {item.name} {seed}": trial_settings(
-            item, seed, contact, **{"attempts": 1, "touches": 1, "scorer": _METRIC, **changes}
+            item, seed, contact, **{"attempts": 1, **changes, **variant}
         )
-        for item, seed in chosen  # Scene by scene, so that a run that is cut short is paired too.
-        for name, changes in VARIANTS.items()
+        for item, seed in scenes(objects, count, options.seed)  # Pairs are done side by side.
+        for name, variant in variants.items()
     }
     settings = {
         "objects": [item.name for item in objects],
         "left_out": left_out,
-        "variants": {name: dict(changes) for name, changes in VARIANTS.items()},
+        "variants": {name: dict(variant) for name, variant in variants.items()},
         "scenes": count,
         "seed": options.seed,
         "contact": contact,
         "attempts": 1,
+        **changes,
     }
     rows = run_trials(tasks, options, settings, "lifting")
     named = [{"variant": key.split(":")[0], **row} for key, row in zip(tasks, rows, strict=True)]
-    table = stage_rows(named, options.seed)
-    return Report("stages", settings, stages_summary(table), {}, [*table, *named])
+    return named, settings
 
 
-def stage_rows(rows: list[Row], seed: int) -> list[Row]:
-    """Success of each variant, and the whole pipeline's advantage over it."""
-    whole = _outcomes(rows, WHOLE)
+def variant_rows(rows: list[Row], names: Sequence[str], seed: int) -> list[Row]:
+    """Success of each variant, and the first one's advantage over it."""
+    whole = _outcomes(rows, names[0])
     table = []
-    for name in VARIANTS:
+    for name in names:
         own = [row for row in rows if row["variant"] == name]
         outcomes = _outcomes(rows, name)
         table.append(
@@ -86,8 +106,8 @@ def stage_rows(rows: list[Row], seed: int) -> list[Row]:
                 "success_interval": wilson_interval(int(outcomes.sum()), len(own)),
                 "difference": round(float((whole - outcomes).mean()), 4),
                 "difference_interval": paired_interval(whole, outcomes, seed),
-                "only_whole": int((whole > outcomes).sum()),
-                "only_variant": int((whole < outcomes).sum()),
+                "only_first": int((whole > outcomes).sum()),
+                "only_this": int((whole < outcomes).sum()),
             }
         )
     return table
@@ -112,14 +132,11 @@ def paired_interval(a: Array, b: Array, seed: int) -> list[float]:
     return [round(float(x), 4) for x in np.percentile(means, (2.5, 97.5))]
 
 
-def stages_summary(table: list[Row]) -> Row:
-    """Success of the whole, and what each other variant loses against it, in points."""
-    summary: Row = {}
-    for row in table:
-        if row["variant"] == WHOLE:
-            summary |= {"success": row["success"], "success_interval": row["success_interval"]}
-            summary["scenes"] = row["scenes"]
-        else:
-            summary[f"gain over {row['variant']}"] = row["difference"]
-            summary[f"gain over {row['variant']} interval"] = row["difference_interval"]
+def gains(table: list[Row]) -> Row:
+    """Success of the first variant, and what it gains over each other one."""
+    first, *others = table
+    summary: Row = {name: first[name] for name in ("scenes", "success", "success_interval")}
+    for row in others:
+        summary[f"gain over {row['variant']}"] = row["difference"]
+        summary[f"gain over {row['variant']} interval"] = row["difference_interval"]
     return summary

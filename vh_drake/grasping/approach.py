@@ -13,10 +13,18 @@ from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import SLOW_M_S, Leg, path, travel_time
 from vh_drake.types import Array, Candidates
 
+CLOSINGS = ("closed_loop", "open_loop")
+
 
 @dc.dataclass(frozen=True)
 class GraspMotionSettings:
-    """Distances and times of a grasp."""
+    """Distances and times of a grasp.
+
+    Closed in an open loop, hand and fingers play the coordinated motion of section 4.5.4 as a
+    tape. In a closed loop the hand follows the fingers' measured travel and yields to the force
+    at the wrist; after a piece of the lift the wrist tells whether anything is held, and if
+    not, the hand goes down, opens, moves towards what resisted it, and closes once more.
+    """
 
     standoff_m: float = 0.12  # of a side grasp, against the palm's direction
     safe_height_m: float = 0.04  # of the lowest finger over the object in transit
@@ -27,6 +35,12 @@ class GraspMotionSettings:
     squeeze_s: float = 0.4
     gather_fingers: float = 0.5
     gather_thumb: float = 0.2
+    closing: str = "closed_loop"  # of CLOSINGS
+    yields: bool = False  # a closed loop, to forces on the hand
+    # After this piece of the lift a closed loop asks the wrist whether anything is held; 0: not.
+    weigh_m: float = 0.0
+    least_load_n: float = 0.12
+    seek_m: float = 0.015  # of a second closing, towards what resisted the first
     lift_m: float = 0.185  # 15 cm and what a heavy object may sag meanwhile
     lift_s: float = 1.5
     hold_s: float = 3.2
@@ -140,16 +154,45 @@ def closing_legs(
     X_WH: Array, motion: str, hand: HandModel, settings: GraspMotionSettings
 ) -> tuple[Leg, ...]:
     """Close, squeeze, lift and hold, from an open hand in its place X_WH (4, 4)."""
-    s = settings
-    legs: tuple[Leg, ...] = ()
-    closed = hand.motor_fractions(1.0, 1.0)
-    if motion == "collect":
-        half = hand.motor_fractions(s.gather_fingers, s.gather_thumb)
-        legs = (Leg("gather", X_WH, half, s.gather_s, closing=motion),)
-    return (
-        *legs,
-        Leg("close", X_WH, closed, s.close_s, closing=motion),
-        Leg("squeeze", X_WH, closed, s.squeeze_s, closing=motion),
+    s, closed = settings, hand.motor_fractions(1.0, 1.0)
+    fingers = _finger_legs(X_WH, motion, hand, s)
+    up = (
         Leg("lift", X_WH, closed, s.lift_s, rise_m=s.lift_m),
         Leg("hold", X_WH, closed, s.hold_s, rise_m=0.0),
+    )
+    if s.closing == "open_loop" or s.weigh_m == 0:
+        return (*fingers, *up)
+    share = s.weigh_m / s.lift_m
+    first = Leg("lift", X_WH, closed, max(share * s.lift_s, 0.4), rise_m=s.weigh_m)
+    rest = dc.replace(up[0], rise_m=s.lift_m - s.weigh_m, duration_s=(1 - share) * s.lift_s)
+    again = (*_opening_legs(X_WH, motion, hand, s), *fingers, *up)
+    weighed = dc.replace(first, least_load_n=s.least_load_n, otherwise=again)
+    return (*fingers, weighed, rest, up[1])
+
+
+def _finger_legs(
+    X_WH: Array, motion: str, hand: HandModel, s: GraspMotionSettings
+) -> tuple[Leg, ...]:
+    """The fingers close on the object."""
+    tape, closed = s.closing == "open_loop", hand.motor_fractions(1.0, 1.0)
+    named = [("close", closed, s.close_s), ("squeeze", closed, s.squeeze_s)]
+    if motion == "collect":
+        half = hand.motor_fractions(s.gather_fingers, s.gather_thumb)
+        named.insert(0, ("gather", half, s.gather_s))
+    yields = s.yields and not tape
+    return tuple(
+        Leg(name, X_WH, motors, duration, closing=motion, tape=tape, yields=yields)
+        for name, motors, duration in named
+    )
+
+
+def _opening_legs(
+    X_WH: Array, motion: str, hand: HandModel, s: GraspMotionSettings
+) -> tuple[Leg, ...]:
+    """Down again, open, and a little towards the object."""
+    opened, closed = hand.motor_fractions(0.0, 0.0), hand.motor_fractions(1.0, 1.0)
+    return (
+        Leg("lower again", X_WH, closed, 0.4, rise_m=-s.weigh_m),
+        Leg("open again", X_WH, opened, 0.8, closing=motion),
+        Leg("seek", X_WH, opened, 0.4, seek_m=s.seek_m),
     )

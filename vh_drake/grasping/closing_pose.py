@@ -28,8 +28,7 @@ def closing_offset(
 
 def _inverse(hand: HandModel, settings: CollectSettings) -> Array:
     start = np.zeros(len(hand.description.motors))
-    inverse: Array = np.linalg.inv(collect_pose(hand, hand.joint_angles(start), settings))
-    return inverse
+    return np.asarray(np.linalg.inv(collect_pose(hand, hand.joint_angles(start), settings)), float)
 
 
 @lru_cache(maxsize=8)  # Wanted in every period of a closing hand

@@ -1,6 +1,15 @@
 """What a behaviour's phase, as people read it, says about the hand."""
 
-CLOSING = ("gather", "close", "squeeze", "lift", "hold")  # legs of a grasp, see approach.py
+CLOSING = (
+    "gather",
+    "close",
+    "squeeze",
+    "lift",
+    "hold",
+    "lower again",
+    "open again",
+    "seek",
+)  # legs of a grasp, see approach.py
 AFTER = ("done",)
 
 

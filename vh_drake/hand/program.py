@@ -25,6 +25,16 @@ class Leg(Immutable):
     rise_m: float | None = None
     # The name of a closing motion: the hand then follows the fingers' measured travel.
     closing: str = ""
+    # In a closing leg: the hand follows the commanded travel instead, whatever the fingers meet.
+    tape: bool = False
+    # In a closing leg: the hand gives way, level, to forces on it.
+    yields: bool = False
+    # The hand moves level by this towards what resisted the closing fingers; not at all where
+    # nothing did.
+    seek_m: float = 0.0
+    # What the wrist must feel hanging on the hand at the end, or `otherwise` comes next.
+    least_load_n: float = 0.0
+    otherwise: tuple["Leg", ...] = ()
     # A curve for the fingertip: the trajectory follower drives, and X_WH is where it ends.
     touch: TouchPlan | None = None
 

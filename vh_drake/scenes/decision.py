@@ -7,6 +7,7 @@ from vh_drake.control.arm_collisions import ArmCollisions, TableTop
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.exploration.follow import FollowSettings
 from vh_drake.exploration.touch_motion import TouchMotionSettings, fingertip_frame, pads_in_hand
+from vh_drake.grasping.approach import GraspMotionSettings
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import HandModel, read_hand_model
@@ -175,7 +176,11 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "behaviour": Behaviour(
             hand,
             kinematics,
-            BehaviourSettings(touches=scenario.touches, attempts=scenario.attempts),
+            BehaviourSettings(
+                touches=scenario.touches,
+                attempts=scenario.attempts,
+                grasp=GraspMotionSettings(closing=scenario.closing),
+            ),
             collisions=_collisions(scenario, hand, kinematics),
         ),
         "executor": GraspExecutor(hand, kinematics.pose(kinematics.home)),

@@ -6,6 +6,7 @@ from operator import attrgetter
 from pathlib import Path
 
 from vh_drake.errors import BadInput, UnknownName
+from vh_drake.grasping.approach import CLOSINGS
 from vh_drake.grasping.planner_settings import (
     APPROACHES,
     PLANNERS,
@@ -106,7 +107,9 @@ class Scenario:
     # From where grasps come: "collect" from the top, "side".
     approaches: list[str] = dc.field(default_factory=lambda: list(APPROACHES[:2]))
     # One of SCORERS; hands that the metric has not learnt with: "conventional".
-    scorer: str = "conventional"
+    scorer: str = "learned"
+    # How the hand closes: "closed_loop" or "open_loop".
+    closing: str = "closed_loop"
     # How many grasps may be tried.
     attempts: int = 3
     table: Table = dc.field(default_factory=Table)
@@ -138,6 +141,7 @@ def check_scenario(scenario: Scenario) -> None:
     for kind, name, choices in (
         ("contact model", scenario.contact, CONTACT_MODELS),
         ("scorer", scenario.scorer, SCORERS),
+        ("closing", scenario.closing, CLOSINGS),
     ):
         if name not in choices:
             raise UnknownName(kind, name[:80], list(choices))

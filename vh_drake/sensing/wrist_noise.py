@@ -9,6 +9,7 @@ import dataclasses as dc
 import functools
 
 import numpy as np
+from numba import njit
 
 from vh_drake.types import Array
 
@@ -36,9 +37,33 @@ def wrist_noise(time_s: float, seed: int, settings: WristNoiseSettings | None = 
     drift = np.array([settings.torque_drift_nm] * 3 + [settings.force_drift_n] * 3)
     slow = np.sin(2.0 * np.pi * time_s / _PERIODS_S + _phases(seed)).mean(axis=1)
     tick = max(0, round(time_s * 1e6)) + 1
-    fast = np.random.default_rng([seed, tick]).standard_normal(6)
-    noise: Array = drift * slow + white * fast
+    noise: Array = drift * slow + white * _normals(seed, tick)
     return noise
+
+
+@njit(cache=True)
+def _normals(seed: int, tick: int) -> Array:
+    """Six normal numbers by Box and Muller from hashes of seed, tick and place."""
+    result = np.empty(6)
+    state = _mixed(np.uint64(seed) * np.uint64(0xD1342543DE82EF95) + np.uint64(tick))
+    for i in range(0, 6, 2):
+        state = _mixed(state)
+        u = (np.float64(state >> np.uint64(11)) + 0.5) * 2.0**-53
+        state = _mixed(state)
+        v = (np.float64(state >> np.uint64(11)) + 0.5) * 2.0**-53
+        radius = np.sqrt(-2.0 * np.log(u))
+        result[i] = radius * np.cos(2.0 * np.pi * v)
+        result[i + 1] = radius * np.sin(2.0 * np.pi * v)
+    return result
+
+
+@njit(cache=True)
+def _mixed(x: np.uint64) -> np.uint64:
+    """The next number of SplitMix64 (Steele et al. 2014)."""
+    x = x + np.uint64(0x9E3779B97F4A7C15)
+    x = (x ^ (x >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return x ^ (x >> np.uint64(31))
 
 
 @functools.lru_cache(maxsize=16)
