@@ -1,6 +1,7 @@
 """A hand that is taught: by a script, and by the clicks of a browser."""
 
-import threading
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -16,6 +17,7 @@ from vh_drake.objects.loading import load_object
 from vh_drake.scenes.scenario import Placement, Scenario
 from vh_drake.scenes.teaching import make_teaching_scene
 
+LIMIT_S = 180.0
 SCENARIO = Scenario(contact="point", object="sugar_box")
 
 
@@ -182,48 +184,64 @@ def test_a_spoilt_file_and_a_folder_are_told_before_the_page_is_served(tmp_path)
             teach(SCENARIO, path, host="localhost", tell=print)
 
 
-def wait_for(lines, text, limit_s=120.0):
-    end = time.monotonic() + limit_s
-    while not any(text in line for line in lines):
-        if time.monotonic() > end:
-            raise TimeoutError(text)
-        time.sleep(0.05)
+class Command:
+    """The command `teach` in a process of its own, and what it has printed."""
 
+    def __init__(self, file, log):
+        self._log = log
+        arguments = [str(file), "--object", "sugar_box"]
+        with log.open("w") as output:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "vh_drake", "teach", *arguments],
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
 
-def click_and_wait(browser, label, lines, limit_s=60.0):
-    """Clicks, and waits until the session has told something new."""
-    before, end = len(lines), time.monotonic() + limit_s
-    browser.click(label)
-    while len(lines) == before and time.monotonic() < end:
-        time.sleep(0.02)
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def lines(self):
+        return self._log.read_text().splitlines()
+
+    def wait_for(self, condition, limit_s=LIMIT_S):
+        """The lines, once they meet a condition."""
+        end = time.monotonic() + limit_s
+        while not condition(lines := self.lines()):
+            if time.monotonic() > end or self.process.poll() is not None:
+                raise TimeoutError("\n".join(lines))
+            time.sleep(0.05)
+        return lines
+
+    def click(self, browser, label):
+        """Clicks, and waits until the session has told something new."""
+        before = len(self.lines())
+        browser.click(label)
+        return self.wait_for(lambda lines: len(lines) > before)[-1]
 
 
 @pytest.mark.slow
 def test_a_browser_teaches_and_what_was_not_saved_is_kept(tmp_path):
-    file, lines, users = tmp_path / "taught.yaml", [], []
-
-    def use(url):
-        with Browser(url) as browser:
+    file = tmp_path / "taught.yaml"
+    with Command(file, tmp_path / "log.txt") as command:
+        lines = command.wait_for(lambda lines: lines and "over the object" in lines[-1])
+        (page,) = (line.split()[2] for line in lines if line.startswith("teach at"))
+        with Browser(page) as browser:
             browser.click("Open Controls")
-            wait_for(lines, "over the object")
-            for label in ("set key point", "up", "up", "set key point", "save", "set key point"):
-                click_and_wait(browser, label, lines)
-            click_and_wait(browser, "delete key point", lines)
-            browser.press("g", "KeyG")
-            time.sleep(1.0)
-            click_and_wait(browser, "set key point", lines)
+            for label in ("set key point", "up", "up", "set key point", "save"):
+                command.click(browser, label)
+            command.click(browser, "set key point")
+            told = command.click(browser, "delete key point")
+            assert "key point 2 of 2" in told
+            browser.press("g", "KeyG")  # The fingers' slider; it stands before the buttons.
+            command.click(browser, "set key point")
             browser.click("stop")
-
-    def tell(line):
-        lines.append(line)
-        if line.startswith("teach at"):
-            users.append(threading.Thread(target=use, args=(line.split()[2],), daemon=True))
-            users[0].start()
-
-    teach(SCENARIO, file, host="localhost", tell=tell)
+            assert command.process.wait(timeout=LIMIT_S) == 0
+        assert "unsaved" in command.lines()[-1]
     saved = load_key_points(file).key_points
     assert [point.position_m[2] for point in saved] == [0.0, 0.01]
     unsaved = load_key_points(file.with_suffix(UNSAVED)).key_points
     assert [point.fingers for point in unsaved] == [0.0, 0.0, 0.02]
-    assert "unsaved" in lines[-1]
-    users[0].join(timeout=30.0)
