@@ -189,6 +189,10 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "vh_drake.experiments.figure_4_18",
         "How a finger closes with friction, glove and weight.",
     ),
+    "figure-4.20": Entry(
+        "vh_drake.experiments.figure_4_20",
+        "The coordinated grasp trajectory, played on the simulated hand with a flashlight.",
+    ),
     "figure-4.7": Entry(
         "vh_drake.experiments.figure_4_7",
         "Precision of the learned metric and its baselines on unknown objects.",

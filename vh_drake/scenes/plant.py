@@ -107,6 +107,8 @@ def add_table(plant: MultibodyPlant, table: Table) -> None:
     plant.RegisterCollisionGeometry(world, X_WT, top, "table", properties)
     plant.RegisterVisualGeometry(world, X_WT, top, "table", np.array([0.72, 0.58, 0.42, 1.0]))
     leg_height = table.height_m - TABLE_THICKNESS_M
+    if leg_height <= 0.0:  # The top lies on the floor.
+        return
     for i, (dx, dy) in enumerate(((-1, -1), (-1, 1), (1, -1), (1, 1))):
         p = [x + dx * (sx / 2 - 0.03), y + dy * (sy / 2 - 0.03), leg_height / 2]
         leg = Box(0.05, 0.05, leg_height)
