@@ -42,5 +42,5 @@ def limited_joint_velocity(
             "joint velocities and positions must be finite and of the same number, not "
             f"{', '.join(str(row.tolist()) for row in rows)}"
         )
-    result: Array = kernels.limited_change(*rows, limits, period_s)
+    result: Array = kernels.limited_change(rows[0], rows[1], rows[2], limits, period_s)
     return result
