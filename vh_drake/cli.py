@@ -38,7 +38,7 @@ JsonOption = Annotated[
 ]
 
 HandOption = Annotated[
-    str, typer.Option(metavar="NAME|FILE", help="armar6_right, or a hand's description.")
+    str, typer.Option(metavar="NAME|FILE", help="Such as armar3_right, or a hand's description.")
 ]
 
 

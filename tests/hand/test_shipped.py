@@ -25,5 +25,5 @@ def test_a_description_is_taken_as_it_is(tmp_path):
 
 
 def test_an_unknown_name_is_refused_with_the_choices():
-    with pytest.raises(UnknownName, match=r"unknown hand 'armar7'; choose one of: armar3_right, armar6_right"):
+    with pytest.raises(UnknownName, match=r"unknown hand .armar7.; .* armar3_right, armar6_right"):
         hand_file("armar7")
