@@ -109,6 +109,10 @@ BENCHES: Mapping[str, Entry] = {
 }
 
 REPRODUCTIONS: Mapping[str, Entry] = {
+    "figure-3.17": Entry(
+        "vh_drake.experiments.figure_3_17",
+        "Figures 3.17 to 3.19: what rates a touch, and a plane explored by it.",
+    ),
     "figure-3.23": Entry(
         "vh_drake.experiments.figure_3_23",
         "Grasps of the surface-based planner on an object known from touches alone.",
@@ -141,6 +145,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "The distances of table 3.5 by object, beside the thesis's.",
         _EXPLORED,
     ),
+    "exploration-tuning": Entry(
+        "vh_drake.experiments.exploration_tuning",
+        "Which settings suit each exploration strategy best, on the train split.",
+        ("objects", "split", "runs"),
+    ),
     "figure-3.30": Entry(
         "vh_drake.experiments.figure_3_30",
         "Figures 3.30 to 3.35: ways around three objects, explored share over distance.",
@@ -164,6 +173,10 @@ REPRODUCTIONS: Mapping[str, Entry] = {
     "figure-3.1": Entry(
         "vh_drake.experiments.figure_3_1",
         "Figures 3.1 to 3.3: a plane explored greedily and with balance.",
+    ),
+    "figure-3.4": Entry(
+        "vh_drake.experiments.figure_3_4",
+        "Figures 3.4 and 3.20: a touch that meets nothing, and the way back from below.",
     ),
     "figure-3.5": Entry(
         "vh_drake.experiments.figure_3_5",
@@ -227,6 +240,15 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "vh_drake.experiments.labels",
         "Which label or score predicts that the hand alone lifts the object.",
         ("objects", "split", "scenes", "weights"),
+    ),
+    "figure-3.26": Entry(
+        "vh_drake.experiments.figure_3_26",
+        "Figures 3.26 to 3.28: strategies on a plane, a sphere and a cube.",
+    ),
+    "figure-3.40": Entry(
+        "vh_drake.experiments.figure_3_40",
+        "Figures 3.40 and 3.41: noisy contacts with and without normals, errors in colour.",
+        ("objects",),
     ),
     "closed-loop": Entry(
         "vh_drake.experiments.closed_loop",

@@ -30,7 +30,7 @@ from vh_drake.learning.labels import (
 )
 from vh_drake.objects.library import library_object
 from vh_drake.reports import Row
-from vh_drake.types import Array, Candidates, ContactSet, Plane, ScalarGrid, Surface
+from vh_drake.types import Array, Candidates, ContactSet, IntArray, Plane, ScalarGrid, Surface
 
 CANDIDATES = 100
 END = EndSettings(goal=0.9, most_touches=119, most_without_gain=40)
@@ -62,10 +62,10 @@ class Planned:
     rate: Array  # (n,) force-closure rate of disturbed grasps on the true object
 
     @property
-    def stable(self) -> Array:
+    def stable(self) -> IntArray:
         """Indices of the candidates that are stable on the estimate, best first."""
         order = np.argsort(-self.epsilon, kind="stable")
-        best: Array = order[self.epsilon[order] > 0]
+        best: IntArray = order[self.epsilon[order] > 0]
         return best
 
 
@@ -113,7 +113,7 @@ def _true_field(touched: Touched) -> ObjectField:
     return object_field(Surface(truth.vertices, truth.faces), NO_TABLE, spacing_m=_GRID_M)
 
 
-def shown(plan: Planned, count: int) -> Array:
+def shown(plan: Planned, count: int) -> IntArray:
     """Indices (k,) of stable candidates to draw, k ≤ count: of the better half, far apart."""
     stable = plan.stable
     better = stable[: max(count, len(stable) // 2)]
@@ -121,7 +121,7 @@ def shown(plan: Planned, count: int) -> Array:
         return better
     poses = plan.candidates.X_WH[better]
     kept = spread(poses, np.zeros(len(better)), plan.hand, count)
-    chosen: Array = better[np.sort(kept)]
+    chosen: IntArray = better[np.sort(kept)]
     return chosen
 
 
