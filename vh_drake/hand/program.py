@@ -3,6 +3,8 @@
 import dataclasses as dc
 
 import numpy as np
+from pydrake.common.eigen_geometry import AngleAxis
+from pydrake.math import RotationMatrix
 from scipy.spatial.transform import Rotation
 
 from vh_drake.types import Array, Immutable, TouchPlan
@@ -67,9 +69,10 @@ def travel_time(
 
 def interpolate(X_WA: Array, X_WB: Array, share: float) -> Array:
     """Pose (4, 4) at a share 0..1 of the way: straight in position, slerp in rotation."""
-    turn = Rotation.from_matrix(X_WA[:3, :3].T @ X_WB[:3, :3]).as_rotvec()
+    turn = RotationMatrix(X_WA[:3, :3].T @ X_WB[:3, :3]).ToAngleAxis()
+    part = AngleAxis(share * turn.angle(), turn.axis())
     X = np.eye(4)
-    X[:3, :3] = X_WA[:3, :3] @ Rotation.from_rotvec(share * turn).as_matrix()
+    X[:3, :3] = X_WA[:3, :3] @ RotationMatrix(part).matrix()
     X[:3, 3] = X_WA[:3, 3] + share * (X_WB[:3, 3] - X_WA[:3, 3])
     return X
 

@@ -13,6 +13,7 @@ unfiltered force, far above its noise and what the arm's motion leaves of it, co
 
 import dataclasses as dc
 import math
+from itertools import accumulate
 
 import numpy as np
 
@@ -82,21 +83,22 @@ class FtState:
     def to_vector(self) -> Array:
         """All of it as numbers (STATE_SIZE,), for a discrete state."""
         touched = len(self.contact) > 0
-        place = np.r_[self.contact.p_WC[0], self.contact.n_WC[0]] if touched else np.zeros(6)
+        place = (self.contact.p_WC[0], self.contact.n_WC[0]) if touched else (np.zeros(6),)
         counts = [float(self.exceeded), float(self.jumped)]
         flags = [self.tare, float(self.started), *counts, float(touched)]
-        motion = np.r_[self.velocity_W, self.approach_W]
-        parts = (motion, self.low_pass.ravel(), self.wrench_H, self.offset_H)
+        motion = (self.velocity_W, self.approach_W)
+        parts = (*motion, self.low_pass.ravel(), self.wrench_H, self.offset_H, self.force_W)
         read = self.readings
-        sums = np.r_[read.force, read.forces.ravel(), read.moment, read.torque]
-        vector: Array = np.concatenate([*parts, self.force_W, flags, sums, place])
+        sums = (read.force, read.forces.ravel(), read.moment, [read.torque])
+        vector: Array = np.concatenate([*parts, flags, *sums, *place])
         return vector
 
     @staticmethod
     def from_vector(vector: Array) -> "FtState":
         """The inverse of `to_vector`."""
-        parts = np.split(vector, _STATE_SPLITS)
-        motion, low_pass, wrench, offset, force, flags, sums, place = parts
+        motion, low_pass, wrench, offset, force, flags, sums, place = (
+            vector[part] for part in _STATE_PARTS
+        )
         touched = flags[4] > 0
         return FtState(
             velocity_W=motion[:6],
@@ -114,8 +116,12 @@ class FtState:
         )
 
 
-_STATE_SPLITS = np.cumsum([9, 12, 6, 6, 3, 5, 16])
-STATE_SIZE = int(_STATE_SPLITS[-1]) + 6
+# Motion, low-pass, wrench, offset, force, flags, sums of readings, place.
+_STATE_SIZES = (9, 12, 6, 6, 3, 5, 16, 6)
+STATE_SIZE = sum(_STATE_SIZES)
+_STATE_PARTS = tuple(
+    slice(end - size, end) for size, end in zip(_STATE_SIZES, accumulate(_STATE_SIZES), strict=True)
+)
 
 
 class FtContactModel:
@@ -235,6 +241,7 @@ class FtContactModel:
 
 
 def _finite(sample: FtSample) -> bool:
-    total = sample.wrench_H.sum() + sample.velocity_W.sum() + sample.R_WH.sum()
-    total += sample.p_WH.sum() + sample.approach_W.sum() + sample.tare
-    return math.isfinite(total)
+    vectors = (sample.wrench_H, sample.velocity_W, sample.p_WH, sample.approach_W)
+    # A sum of squares is finite only where all numbers are.
+    squares = sum(float(v @ v) for v in (*vectors, sample.R_WH.ravel()))
+    return math.isfinite(squares + sample.tare)
