@@ -72,7 +72,8 @@ def test_poses_of_one_place_and_approach_differ_by_even_turns():
 def test_several_fingertips_need_fewer_motions_than_one():
     result = explore_by_hand(BODY, rake, RAKE, SETTINGS, seed=0)
     assert result.end == "goal"
-    assert result.contacts_per_closing > 1.5
+    assert np.mean([m.contacts for m in result.motions if m.closing]) > 1.5
+    assert result.share == result.motions[-1].share
     assert len(result.known.contacts) == 1 + sum(motion.contacts for motion in result.motions)
     assert [m.share for m in result.motions] == sorted(m.share for m in result.motions)
     assert len(result.motions) < 15

@@ -11,9 +11,14 @@ from functools import cache, partial
 from pathlib import Path
 
 from vh_drake.errors import UnknownName
+from vh_drake.experiments.hand_closing import planned_hand, true_closer
 from vh_drake.exploration.loop import Body, explore, make_body
 from vh_drake.exploration.measures import measure
 from vh_drake.exploration.tuned import RADIUS_M, TUNED, tuned
+from vh_drake.exploration.whole_hand import Closer, Hand, explore_by_hand
+from vh_drake.hand.description import load_hand
+from vh_drake.hand.model import HandModel, read_hand_model
+from vh_drake.hand.shipped import hand_file
 from vh_drake.objects.loading import load_object
 from vh_drake.objects.model import ObjectModel
 from vh_drake.reports import Row
@@ -52,6 +57,34 @@ def by_strategy(
     }
 
 
+@cache
+def _hand() -> tuple[HandModel, Hand]:
+    """The right hand of ARMAR-6, and how it plans closings."""
+    model = read_hand_model(load_hand(hand_file()))
+    return model, planned_hand(model)
+
+
+@cache
+def _closer(subject: Subject) -> Closer:
+    return true_closer(_hand()[0], subject.model.mesh)
+
+
+def by_whole_hand(subject: Subject, seed: int) -> Row:
+    """One exploration by closings of a hand; it costs hand motions, the first touch among them."""
+    settings = tuned("igef")
+    result = explore_by_hand(subject.body, _closer(subject), _hand()[1], settings, seed=seed)
+    closings = sum(motion.closing for motion in result.motions)
+    touched = sum(motion.contacts for motion in result.motions if motion.closing)
+    return {
+        "end": result.end,
+        "explored_share": round(result.share, _DIGITS),
+        "motions": 1 + len(result.motions),
+        "closings": closings,
+        "contacts_per_closing": round(touched / max(closings, 1), _DIGITS),
+        "contacts": len(result.known.contacts),
+    }
+
+
 EQUAL_RADIUS = "_equal_radius"  # candidates within R_0 of the last contact, as for IGEF and chance
 
 CONTENDERS: Mapping[str, Contender] = {
@@ -59,12 +92,16 @@ CONTENDERS: Mapping[str, Contender] = {
     f"gp_variance{EQUAL_RADIUS}": partial(
         by_strategy, strategy="gp_variance", candidate_radius_m=RADIUS_M
     ),
+    "whole_hand": by_whole_hand,
 }
 
-DEFAULT = ("igef", "gp_variance", "random", f"gp_variance{EQUAL_RADIUS}")
+DEFAULT = ("igef", "gp_variance", "random", f"gp_variance{EQUAL_RADIUS}", "lookahead", "whole_hand")
 
 # What a contender costs, and the same of IGEF: metrics of their rows.
-BEYOND: Mapping[str, tuple[str, str]] = {}
+BEYOND: Mapping[str, tuple[str, str]] = {
+    "lookahead": ("distance_cm", "distance_cm"),
+    "whole_hand": ("motions", "contacts"),  # with one finger every contact is a motion
+}
 
 
 def chosen_contenders(names: str | None) -> tuple[str, ...]:

@@ -11,6 +11,14 @@ from vh_drake.reports import Row
 from vh_drake.types import Array
 
 _DRAWS = 10_000
+_SUMMARIZED = (
+    "distance_cm",
+    "rotation_deg",
+    "rmse_mm",
+    "prediction_error_mm",
+    "motions",
+    "contacts_per_closing",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +75,7 @@ def compared(means: Means) -> Row:
     equal = (f"gp_variance{EQUAL_RADIUS}", "random")
     summary |= _shortest(means, "igef_shortest_share_equal_radius", equal)
     for contender, metrics in means.values.items():
-        for metric in ("distance_cm", "rotation_deg", "rmse_mm", "prediction_error_mm"):
+        for metric in _SUMMARIZED:
             if metric in metrics:
                 summary[f"{contender}_{metric}"] = _number(np.nanmean(metrics[metric]))
         summary[f"{contender}_contacts"] = _number(metrics["contacts"].mean())

@@ -7,6 +7,7 @@ import numpy as np
 
 from vh_drake.errors import UnknownName
 from vh_drake.exploration.explorer import ExplorerSettings
+from vh_drake.exploration.look_ahead import LookAhead
 from vh_drake.exploration.ratings import IgefSettings
 from vh_drake.exploration.strategies import (
     GpVariance,
@@ -24,6 +25,9 @@ TUNED: Mapping[str, ExplorerSettings] = {
     "random": ExplorerSettings(Random(), RADIUS_M),
     "uncertainty_cost": ExplorerSettings(UncertaintyCost(), RADIUS_M),
     "potential_field": ExplorerSettings(PotentialField(), RADIUS_M),
+    "lookahead": ExplorerSettings(
+        LookAhead(), 0.08, margin_m=0.03, fresh_m=0.012, barren_m=0.006, clearance_m=0.001
+    ),
 }
 
 

@@ -47,8 +47,8 @@ class HandAim(Immutable):
 class WholeHandSettings:
     """How poses are searched."""
 
-    targets: int = 16  # on the estimate
-    rolls: int = 6  # about the approach
+    targets: int = 6  # on the estimate
+    rolls: int = 4  # about the approach
     back_off_m: float = 0.15  # from where the hand comes
     trust_m: float = 0.03  # as in `LookAhead`
     most_barren: int = 2  # closings in a row that taught nothing, after which one finger touches
@@ -77,14 +77,9 @@ class HandExploration(Immutable):
     """A whole exploration; the first contact is one fingertip's, as everywhere."""
 
     known: Known
+    share: float  # explored in the end
     motions: tuple[HandMotion, ...]
     end: str  # "goal", "stuck" or "lost"
-
-    @property
-    def contacts_per_closing(self) -> float:
-        """Mean number of contacts; NaN without a closing."""
-        counts = [motion.contacts for motion in self.motions if motion.closing]
-        return float(np.mean(counts)) if counts else float("nan")
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -144,7 +139,7 @@ def explore_by_hand(
         state, motion = moved
         motions.append(motion)
         without_gain = 0 if motion.share > share else without_gain + 1
-    return HandExploration(state.known, tuple(motions), reason)
+    return HandExploration(state.known, state.coverage.share, tuple(motions), reason)
 
 
 def _moved(
