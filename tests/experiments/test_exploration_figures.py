@@ -5,8 +5,8 @@ import pytest
 
 from vh_drake.catalog import Options
 from vh_drake.experiments import figure_3_4, figure_3_17, figure_3_26, figure_3_40
-from vh_drake.experiments.exploration_picture import rating_colors, way_points
 from vh_drake.experiments.table_3_6 import NOISY, NOISY_WITHOUT
+from vh_drake.experiments.touch_picture import curve_points, rating_colors
 from vh_drake.exploration.loop import EndSettings
 from vh_drake.objects import lathe
 
@@ -147,12 +147,10 @@ def test_with_a_folder_the_true_meshes_are_those_in_it(tmp_path):
     np.testing.assert_allclose(found.extents, mesh.extents)
 
 
-def test_ways_join_the_curves_of_touches_and_stop_where_the_last_one_touched():
+def test_a_drawn_curve_stops_where_the_touch_did():
     line = np.linspace(0, 1, 4)[:, None] * [3.0, 0.0, 0.0]
-    there, back = line, line + np.array([3.0, 0.0, 0.0])
-    points = way_points([(np.stack([there, back]), 0.5)])
-    np.testing.assert_allclose(points[[0, -1]], [[0, 0, 0], [4.5, 0, 0]])
-    assert len(way_points([])) == 0
+    points = curve_points(line, 0.5)
+    np.testing.assert_allclose(points[[0, -1]], [[0, 0, 0], [1.5, 0, 0]])
 
 
 def test_the_best_candidate_is_green_and_what_was_not_rated_is_red():

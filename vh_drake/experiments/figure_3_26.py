@@ -13,19 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vh_drake.catalog import Options
-from vh_drake.experiments.exploration_picture import (
-    CM,
-    curve_points,
-    draw_contacts,
-    draw_estimate,
-    draw_truth,
-    draw_way,
-    frame_around,
-    rating_colors,
-    way_points,
-)
+from vh_drake.experiments.exploration_pictures import draw_mesh, draw_way, set_view
 from vh_drake.experiments.figure_files import save_figure
 from vh_drake.experiments.reconstruction import Reconstruction, compare, with_normals
+from vh_drake.experiments.touch_picture import CM, curve_points, rating_colors
 from vh_drake.exploration.explorer import ExplorerSettings
 from vh_drake.exploration.loop import Exploration, explore, make_body
 from vh_drake.exploration.ratings import IgefSettings
@@ -204,18 +195,12 @@ def draw_path(axes: Axes, plane: PlaneRun, count: int) -> None:
 def draw_shape(figure: Figure, mesh: TriMesh, runs: dict[str, Exploration]) -> None:
     """Truth, contacts and way above; the estimates below."""
     for i, (name, exploration) in enumerate(runs.items()):
-        contacts = exploration.known.contacts
-        way = way_points([(step.touch.curves, step.touch.tau) for step in exploration.steps])
         top = figure.add_subplot(2, len(runs), i + 1, projection="3d")
-        draw_truth(top, mesh.triangles)
-        draw_way(top, way)
-        draw_contacts(top, contacts.p_WC, contacts.n_WC)
-        frame_around(top, mesh.vertices, margin_m=0.02)
-        length = CM * exploration.lengths_m[-1]
-        top.set_title(f"{name}: {len(contacts)} contacts, {length:.0f} cm of way", y=0.97)
+        count, length = len(exploration.known.contacts), CM * exploration.lengths_m[-1]
+        draw_way(top, exploration, mesh, f"{name}: {count} contacts, {length:.0f} cm of way")
         bottom = figure.add_subplot(2, len(runs), len(runs) + i + 1, projection="3d")
         estimate = estimate_of(exploration)
-        draw_estimate(bottom, estimate.vertices, estimate.faces, alpha=1.0)
-        frame_around(bottom, mesh.vertices, margin_m=0.02)
+        draw_mesh(bottom, estimate, "silver", alpha=1.0)
+        set_view(bottom, mesh)
         error = 1e3 * compare(estimate, mesh).distance_m
-        bottom.set_title(f"estimate, {error:.1f} mm off (RMSE)", y=0.97)
+        bottom.set_title(f"estimate, {error:.1f} mm off (RMSE)", fontsize=10)

@@ -15,17 +15,10 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from vh_drake.catalog import Options
 from vh_drake.errors import VhDrakeError
-from vh_drake.experiments.exploration_picture import (
-    CM,
-    curve_points,
-    draw_contacts,
-    draw_estimate,
-    draw_truth,
-    draw_way,
-    frame_around,
-)
+from vh_drake.experiments.exploration_pictures import draw_mesh, set_view
 from vh_drake.experiments.figure_files import save_figure
 from vh_drake.experiments.plane_potential import draw_plane
+from vh_drake.experiments.touch_picture import CM, curve_points, draw_contacts
 from vh_drake.exploration.explorer import ExplorerSettings, Known
 from vh_drake.exploration.kinematic_tip import TipMotion, move_along
 from vh_drake.exploration.loop import Step, begin, make_body, touches
@@ -183,8 +176,7 @@ def _draw_line(axes: Axes, curve: Array, tau: float, color: str, label: str) -> 
 def draw_event(figure: Figure, event: Event) -> None:
     """Figure 3.20."""
     mesh, touch = lathe.box(BOX_M), event.step.touch
-    planned, back = (curve_points(curve) for curve in touch.curves)
-    back = curve_points(touch.curves[1], touch.tau)
+    planned, back = curve_points(touch.curves[0]), curve_points(touch.curves[1], touch.tau)
     titles = (
         "a) target (star) on the estimate, off the box",
         "b) red: the way misses; blue: on and back",
@@ -195,15 +187,15 @@ def draw_event(figure: Figure, event: Event) -> None:
         _draw_known(axes, known, mesh)
         axes.plot(*(CM * touch.p_WT[:, None]), "k*", ms=12)
         if i == 1:
-            draw_way(axes, planned, color="tab:red")
-            draw_way(axes, back)
+            axes.plot(*(CM * planned).T, color="tab:red", lw=1.5)
+            axes.plot(*(CM * back).T, color="tab:blue", lw=1.5)
         axes.set_title(titles[i], y=0.98)
     figure.suptitle("Figure 3.20: yellow: the box; grey: estimate; blue: contacts and normals")
 
 
 def _draw_known(axes: Axes3D, known: Known, mesh: TriMesh) -> None:
     sheet = follow_surface(known.posterior, known.contacts.p_WC, margin_m=0.04)
-    draw_truth(axes, mesh.triangles, alpha=0.5)
-    draw_estimate(axes, sheet.vertices, sheet.faces, alpha=0.35)
+    draw_mesh(axes, mesh, "gold", alpha=0.5)
+    draw_mesh(axes, TriMesh(sheet.vertices, sheet.faces), "0.6", alpha=0.35)
     draw_contacts(axes, known.contacts.p_WC, known.contacts.n_WC)
-    frame_around(axes, mesh.vertices, margin_m=0.03)
+    set_view(axes, mesh)

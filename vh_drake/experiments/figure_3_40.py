@@ -14,7 +14,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from vh_drake.catalog import Options
 from vh_drake.experiments.edge_picture import box_edges, draw_edges, edge_rmse
-from vh_drake.experiments.exploration_picture import draw_colored, frame_around
+from vh_drake.experiments.exploration_pictures import set_view
 from vh_drake.experiments.figure_files import save_figure
 from vh_drake.experiments.reconstruction import (
     Errors,
@@ -31,6 +31,7 @@ from vh_drake.experiments.table_3_6 import (
     sensed,
     shape,
 )
+from vh_drake.experiments.touch_picture import draw_colored
 from vh_drake.exploration.loop import EndSettings, explore, make_body
 from vh_drake.geometry.closest_points import closest_points, triangle_tree
 from vh_drake.geometry.inertia import mass_properties
@@ -132,7 +133,7 @@ def draw_errors(
             axes: Axes3D = figure.add_subplot(2, 2, 2 * line + column + 1, projection="3d")
             off = np.linalg.norm(closest_points(tree, mesh.vertices) - mesh.vertices, axis=1)
             draw_colored(axes, mesh.vertices, mesh.faces, off, WORST_M)
-            frame_around(axes, truth.vertices, margin_m=0.02)
+            set_view(axes, truth)
             error = 1e3 * compare(mesh, truth).distance_m
             axes.set_title(f"{name}, {formulation}: {error:.1f} mm RMSE", y=0.98)
     scale = ScalarMappable(Normalize(0.0, 1e3 * WORST_M), "RdYlGn_r")
