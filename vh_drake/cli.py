@@ -170,6 +170,9 @@ def grasp(
     show: Annotated[bool, typer.Option("--meshcat/--no-meshcat", help="A live page.")] = True,
     record: Annotated[bool, typer.Option("--record/--no-record", help="recording.html")] = True,
     host: Annotated[str, typer.Option(help="Address of the live page.")] = "localhost",
+    log: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Signals of the run, as CSV.")
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Look, touch, fuse, plan, rate, grasp, lift and hold an unknown object."""
@@ -190,7 +193,7 @@ def grasp(
         objects=None if objects_ is None else str(objects_),
     )
     lifted = grasp_and_report(
-        chosen, out, host=host if show else None, record=record, as_json=as_json
+        chosen, out, host=host if show else None, record=record, as_json=as_json, log=log
     )
     if not lifted:
         raise typer.Exit(FAILED)

@@ -1,3 +1,4 @@
+import csv
 import dataclasses as dc
 import itertools
 import json
@@ -80,18 +81,35 @@ class Ran:
     timing: dict
     phases: list
     files: set
+    signals: list
 
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
-    out = tmp_path_factory.mktemp("trial") / "out"
-    phases = []
-    done = run_trial(SCENARIO, out=out, on_phase=lambda *phase: phases.append(phase))
+    folder = tmp_path_factory.mktemp("trial")
+    out, log, phases = folder / "out", folder / "signals.csv", []
+    done = run_trial(SCENARIO, out=out, on_phase=lambda *phase: phases.append(phase), log=log)
     result, timing = (
         json.loads((out / name).read_text()) for name in ("result.json", "timing.json")
     )
     assert (done.result, done.timing, done.warnings) == (result, timing, ())
-    return Ran(result, timing, phases, {path.name for path in out.iterdir()})
+    signals = list(csv.DictReader(log.read_text().splitlines()))
+    return Ran(result, timing, phases, {path.name for path in out.iterdir()}, signals)
+
+
+@pytest.mark.slow
+def test_the_log_holds_the_signals_of_the_whole_run(ran):
+    time_s = np.array([float(row["time_s"]) for row in ran.signals])
+    np.testing.assert_allclose(np.diff(time_s), 0.01, atol=1e-6)
+    assert time_s[-1] == pytest.approx(ran.timing["simulated_s"], abs=1e-3)
+    held = [row for row in ran.signals if row["phase"] == "grasp: hold"][50:]
+    weight = 9.81 * ran.result["mass_kg"]
+    assert np.mean([float(row["wrist_force_z_n"]) for row in ran.signals]) != 0
+    rose = float(held[-1]["p_WH_z_m"]) - min(float(row["p_WH_z_m"]) for row in ran.signals)
+    assert rose > LIFTED_M
+    tendon = np.mean([float(row["tendon_force_1_n"]) for row in held])
+    assert tendon > weight  # What holds it by friction pulls harder than it weighs.
+    assert {"joint_8_rad_per_s", "motor_2", "motor_command_2", "q_WH_w"} <= set(held[0])
 
 
 @pytest.mark.slow

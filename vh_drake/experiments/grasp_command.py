@@ -19,7 +19,13 @@ from vh_drake.scenes.showing import make_meshcat
 
 
 def grasp_and_report(
-    scenario: Scenario, out: Path, *, host: str | None, record: bool, as_json: bool
+    scenario: Scenario,
+    out: Path,
+    *,
+    host: str | None,
+    record: bool,
+    as_json: bool,
+    log: Path | None = None,
 ) -> bool:
     """Run a trial, tell people about it, and write its files.
 
@@ -29,6 +35,7 @@ def grasp_and_report(
         host: of the live page; None for none.
         record: write a recording.
         as_json: print the result alone on standard output.
+        log: CSV file for the signals of the run.
 
     Returns:
         Whether the object was lifted and held.
@@ -46,7 +53,9 @@ def grasp_and_report(
     def tell(phase: str, time_s: float) -> None:
         console.print(f"{time_s:7.2f} s  {phase}", highlight=False)
 
-    done = run_trial(scenario, model, out=out, meshcat=meshcat, record=record, on_phase=tell)
+    done = run_trial(
+        scenario, model, out=out, meshcat=meshcat, record=record, on_phase=tell, log=log
+    )
     if as_json:
         print(json.dumps(done.result, indent=2))
     else:

@@ -19,6 +19,7 @@ from vh_drake.experiments.judge import (
     surface_error_mm,
     touch_report,
 )
+from vh_drake.experiments.signal_log import SignalLog
 from vh_drake.grasping.story import GraspRecord, Story
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
@@ -166,6 +167,7 @@ def run_trial(
     meshcat: Meshcat | None = None,
     record: bool = False,
     on_phase: OnPhase | None = None,
+    log: Path | None = None,
 ) -> TrialResult:
     """Look, touch, fuse, plan, rate, grasp, lift and hold; again where the hand lost it.
 
@@ -176,6 +178,7 @@ def run_trial(
         meshcat: where to show it; needed for a recording.
         record: write a recording.
         on_phase: told the phase and the simulated time whenever the phase changes.
+        log: CSV file for the signals, 100 rows a simulated second.
 
     Raises:
         BadInput: scenario, object or hand are unusable.
@@ -188,7 +191,10 @@ def run_trial(
     judge = Judge(trial.station, trial.model, trial.context)
     watch = _Watch()
     watch.stages.setdefault("build", _Spent()).add(start, 0.0)
-    story = _run(trial, simulator, judge, watch, on_phase)
+    signals = None if log is None else SignalLog(trial.station, trial.decision)
+    story = _run(trial, simulator, judge, watch, on_phase, signals)
+    if log is not None and signals is not None:
+        signals.save(log)
     whole = _Spent()
     whole.add(start, simulator.get_context().get_time())
     done = TrialResult(_result(trial, story, watch), _timing(watch, whole))
@@ -217,6 +223,7 @@ def _run(
     judge: Judge,
     watch: _Watch,
     on_phase: OnPhase | None,
+    signals: SignalLog | None,
 ) -> Story:
     """Advance until the behaviour has finished."""
     simulator.Initialize()
@@ -228,6 +235,8 @@ def _run(
         story: Story = trial.decision.GetOutputPort("story").Eval(context)
         _note(trial, judge, watch, story, phase, context)
         now_phase = trial.decision.GetOutputPort("phase").Eval(context)
+        if signals is not None:
+            signals.note(simulator.get_context(), now_phase)
         watch.stages.setdefault((phase or "look").split(":")[0], _Spent()).add(before, WATCH_S)
         if now_phase != phase:
             phase = now_phase

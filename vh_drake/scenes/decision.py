@@ -191,7 +191,8 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "contact_estimator": FtContactEstimator(
             touching_skin(hand),
             HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H),
-            FtContactSettings(),
+            # Velocities that stand still between two samples would tell wrong accelerations.
+            FtContactSettings(period_s=max(FtContactSettings.period_s, scenario.time_step_s)),
         ),
     }
 
