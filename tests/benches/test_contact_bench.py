@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from vh_drake.benches import contact
 from vh_drake.benches.contact import MASSES_KG, approach_row, draw_scene, summary_at
+from vh_drake.catalog import Options
 
 
 def test_scenes_stand_on_the_table_before_the_pad_which_meets_them():
@@ -39,3 +41,23 @@ def test_the_summary_counts_what_was_missed_and_what_was_invented():
     assert summary["false_alarms"] == 1
     assert summary["delay_ms"] == 20.0
     assert summary_at(rows, 0.10, "_x")["detected_share_x"] == 0.0
+
+
+def test_a_second_call_goes_on_where_the_first_one_stopped(tmp_path, monkeypatch):
+    called = []
+
+    def approach(task):
+        if len(called) == 4:
+            raise KeyboardInterrupt
+        called.append(task)
+        return {**task, "mass_kg": 0.5, "detected": False, "false_alarm": False}
+
+    monkeypatch.setattr(contact, "approach_row", approach)
+    options = Options(runs=2, workers=1, out=tmp_path)
+    with pytest.raises(KeyboardInterrupt):
+        contact.run(options)
+    first, called = called, []
+    report = contact.run(options)
+    assert len(first) == 4
+    assert len(called) == 2
+    assert len(report.rows) == 6

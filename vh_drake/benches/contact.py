@@ -44,8 +44,15 @@ def run(options: Options) -> Report:
         for speed in SPEEDS_M_S
         for i in range(runs)
     }
-    settings = {"runs": runs, "seed": options.seed, "speeds_m_s": SPEEDS_M_S}
-    rows = run_tasks(approach_row, tasks, settings=settings, workers=options.workers, title="touch")
+    settings = {"runs": runs, "seed": options.seed, "speeds_m_s": list(SPEEDS_M_S)}
+    rows = run_tasks(
+        approach_row,
+        tasks,
+        settings=settings,
+        journal=options.out / "contact.journal",
+        workers=options.workers,
+        title="touch",
+    )
     summary = summary_at(rows, SPEEDS_M_S[0], "")
     for speed in SPEEDS_M_S[1:]:
         summary |= summary_at(rows, speed, f"_at_{round(100 * speed)}_cm_s")
