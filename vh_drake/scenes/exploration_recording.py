@@ -40,9 +40,7 @@ def record_exploration(
         OSError: the file can't be written.
     """
     meshcat = make_meshcat()
-    center, size = truth.bounds.mean(axis=0), truth.diagonal
-    meshcat.SetCameraPose(center + size * np.array([1.1, -1.3, 0.8]), center)
-    _put(meshcat, "object", truth, _OBJECT)
+    show_object(meshcat, truth)
     start_recording(meshcat)
     known = [result.start, *(step.known for step in result.steps)]
     ways: list[Touch | None] = [None, *(step.touch for step in result.steps)]
@@ -50,6 +48,30 @@ def record_exploration(
         _draw(meshcat, f"step/{i}", now, touch, settings)
         _show(meshcat, f"step/{i}", i, last=i == len(known) - 1)
     return write_recording(meshcat, path)
+
+
+def show_object(meshcat: Meshcat, truth: TriMesh) -> None:
+    """The object as yellow glass, and the camera before it."""
+    center, size = truth.bounds.mean(axis=0), truth.diagonal
+    meshcat.SetCameraPose(center + size * np.array([1.1, -1.3, 0.8]), center)
+    _put(meshcat, "object", truth, _OBJECT)
+
+
+def show_step(
+    meshcat: Meshcat, number: int, known: Known, touch: Touch | None, settings: ExplorerSettings
+) -> None:
+    """Draw a step on a live page, colours as in a recording, and hide the one before.
+
+    Args:
+        meshcat: the page.
+        number: of the step; 0 is the first contact.
+        known: after it.
+        touch: that led to it; None for the first contact.
+        settings: of the explorer.
+    """
+    _draw(meshcat, f"step/{number}", known, touch, settings)
+    if number:
+        meshcat.SetProperty(f"step/{number - 1}", "visible", False)
 
 
 def step_meshes(
