@@ -145,6 +145,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "The distances of table 3.5 by object, beside the thesis's.",
         _EXPLORED,
     ),
+    "stopping": Entry(
+        "vh_drake.experiments.stopping",
+        "Whether an explorer that stops by itself reaches the accuracy that is wanted.",
+        ("objects", "split", "runs"),
+    ),
     "exploration-tuning": Entry(
         "vh_drake.experiments.exploration_tuning",
         "Which settings suit each exploration strategy best, on the train split.",
