@@ -5,7 +5,8 @@ import pytest
 import trimesh
 
 from vh_drake.errors import UnknownName
-from vh_drake.exploration.explorer import ExplorerSettings
+from vh_drake.exploration.choosing import choose_touch
+from vh_drake.exploration.explorer import ExplorerSettings, Known
 from vh_drake.exploration.loop import EndSettings, explore, make_body, slerp
 from vh_drake.exploration.strategies import (
     GpVariance,
@@ -16,6 +17,9 @@ from vh_drake.exploration.strategies import (
 )
 from vh_drake.geometry.closest_points import closest_points
 from vh_drake.geometry.meshes import from_trimesh
+from vh_drake.gpis.observations import surface_observations
+from vh_drake.gpis.posterior import fit
+from vh_drake.types import ContactSet
 
 BALL = make_body(from_trimesh(trimesh.creation.icosphere(4, 0.04)), np.zeros(3))
 BOX = make_body(from_trimesh(trimesh.creation.box((0.1, 0.06, 0.04))), np.zeros(3))
@@ -80,3 +84,28 @@ def test_slerp_turns_in_the_plane_of_both_vectors():
     np.testing.assert_allclose(half, -a, atol=1e-12)
     assert angle == pytest.approx(np.pi)
     np.testing.assert_allclose(slerp(a, a, 0.3)[0], a)
+
+
+def test_after_barren_touches_the_next_target_lies_elsewhere():
+    settings = replace(ExplorerSettings(), most_barren=1, leave_m=0.06)
+    known = explore(BALL, settings, EndSettings(goal=0.6), seed=0).known
+    choice = choose_touch(replace(known, barren=1), settings, seed=0)
+    away = np.linalg.norm(choice.p - known.contacts.p_WC[-1], axis=1)
+    assert away.min() > settings.leave_m
+    assert len(choice.curves) > 1  # around the object
+    # Farther than the whole ball there is nothing, so that all of it counts again.
+    near = choose_touch(replace(known, barren=9), settings, seed=0)
+    assert np.linalg.norm(near.p - known.contacts.p_WC[-1], axis=1).min() < settings.leave_m
+
+
+def test_a_way_out_of_a_groove_leads_off_both_of_its_walls():
+    """Two contacts face each other below the tip's centre; what is free is up."""
+    walls = [np.array([1.0, 0.0, 0.2]), np.array([-1.0, 0.0, 0.2])]
+    n = np.array([wall / np.linalg.norm(wall) for wall in walls])
+    tip, settings = np.zeros(3), ExplorerSettings()
+    contacts = ContactSet(tip - settings.tip_radius_m * n, n)
+    seen = surface_observations(contacts.p_WC, n, value_std_m=5e-4, gradient_std=0.03)
+    known = Known(fit(settings.kernel, seen), contacts, tip, n[1], n[1], np.zeros((0, 3)), 3)
+    choice = choose_touch(known, settings, seed=0)
+    leave = choice.curves[0, 1] - choice.curves[0, 0]
+    assert (leave / np.linalg.norm(leave) @ n.T).min() > 0.1

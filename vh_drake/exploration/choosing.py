@@ -58,9 +58,9 @@ def choose_touch(known: Known, settings: ExplorerSettings, *, seed: int) -> Choi
     """The next touch; None where the estimate offers nothing.
 
     The best rated candidate is taken whose curve keeps off the estimate. Where there is none, and
-    after barren touches in a row, it is reached by a way around the object instead. Where nothing
-    is fresh any more, the variance decides whatever the strategy is: the rest of the object lies
-    where the estimate knows least.
+    after barren touches in a row, one away from here is reached by a way around the object instead.
+    Where nothing is fresh any more, the variance decides whatever the strategy is: the rest of the
+    object lies where the estimate knows least.
 
     Args:
         known: so far.
@@ -117,6 +117,7 @@ def _candidates(
     while True:
         sheet = _sheet(known, s, radius)
         allowed = _not_set_aside(sheet.vertices, known, s)
+        allowed = _elsewhere(allowed, sheet.vertices, known, s) if anywhere else allowed
         fresh = allowed & (cKDTree(known.contacts.p_WC).query(sheet.vertices)[0] >= s.fresh_m)
         if fresh.any() or radius == np.inf:
             break
@@ -153,6 +154,18 @@ def _not_set_aside(p: Array, known: Known, s: ExplorerSettings) -> NDArray[np.bo
     if len(known.set_aside) == 0:
         return np.ones(len(p), bool)
     return np.asarray(cKDTree(known.set_aside).query(p)[0] >= s.set_aside_m)
+
+
+def _elsewhere(
+    allowed: NDArray[np.bool_], p: Array, known: Known, s: ExplorerSettings
+) -> NDArray[np.bool_]:
+    """Allowed candidates away from the last contact, farther with each barren touch more.
+
+    All that are allowed where none is so far away.
+    """
+    leave = s.leave_m * (1 + known.barren - s.most_barren)
+    there = allowed & (np.linalg.norm(p - known.contacts.p_WC[-1], axis=1) > leave)
+    return there if there.any() else allowed
 
 
 def _free(posterior: Posterior, curves: Array, s: ExplorerSettings) -> NDArray[np.bool_]:

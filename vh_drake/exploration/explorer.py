@@ -31,6 +31,7 @@ class ExplorerSettings:
     set_aside_m: float = 0.015  # around a target that led to such a barren touch
     most_barren: int = 3  # barren touches in a row, after which the tip takes a way around
     cavity_m: float = 0.02  # contacts so near to the last one are kept off on a way around
+    leave_m: float = 0.05  # how far such a way leads at least; more after each barren touch more
     least_apart_m: float = 0.001  # of contacts that enter the estimate
     tip_radius_m: float = 0.005
     missed_after_m: float = 0.005  # Δm, how far the tip goes on behind a target
