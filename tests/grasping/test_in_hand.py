@@ -4,7 +4,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from vh_drake.grasping.field import ObjectField
-from vh_drake.grasping.in_hand import PlaceSettings, narrowest, well_placed
+from vh_drake.grasping.in_hand import PlaceSettings, lie_in_hand, narrowest, well_placed
 from vh_drake.grasping.motions import CollectSettings, collect_pose, hand_axes
 from vh_drake.types import Plane, ScalarGrid
 
@@ -62,6 +62,17 @@ def moved(X, shifts_W):
     poses = np.tile(X, (len(shifts_W), 1, 1))
     poses[:, :3, 3] += shifts_W
     return poses
+
+
+def test_where_the_object_lies_is_told_in_metres(hand):
+    place = wanted_place(hand, "collect")
+    vertices, field = block(place, sides=(0.07, 0.05, 0.05))
+    X = moved(hand_from_top(hand), np.array([[0.0, 0.0, 0.0], [-0.01, 0.0, 0.0], [0.5, 0.0, 0.0]]))
+    lie = lie_in_hand(X, "collect", vertices, field, hand, SETTINGS)
+    assert lie.met.all()
+    np.testing.assert_allclose(lie.middle - place[0], [0.0, 0.01, -0.5], atol=1e-9)
+    np.testing.assert_allclose(lie.beside, SETTINGS.collect_beside_m, atol=1e-9)
+    np.testing.assert_allclose(lie.excess, 0.02, atol=1e-3)  # 7 cm, where 5 cm would do
 
 
 @pytest.mark.parametrize("motion", ["collect", "side"])

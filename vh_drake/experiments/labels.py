@@ -21,6 +21,7 @@ from vh_drake.errors import BadInput, NothingSeen
 from vh_drake.experiments.figure_files import save_figure
 from vh_drake.experiments.lift_trials import LiftObject, chosen_objects
 from vh_drake.experiments.robustness import scenes
+from vh_drake.grasping.in_hand import PlaceSettings, lie_in_hand
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.learning.calibration import auc, reliability
@@ -193,7 +194,21 @@ def _scores(
         "certain": sense.certain[chosen],
         "placed": sense.placed[chosen],
         "expected_rate": rating.told.rate[chosen],
+        **_places(seen, own),
     }
+
+
+def _places(seen: SeenScene, candidates: Candidates) -> dict[str, Array]:
+    """How the estimate lies in the open hand, in mm, for fits of what makes a lift succeed."""
+    names = np.array(candidates.motion)
+    table = np.zeros((3, len(candidates)))
+    for motion in set(candidates.motion):
+        own = names == motion
+        X_WH, surface = candidates.X_WH[own], seen.surface.vertices
+        hand, place = hand_model(""), PlaceSettings()
+        lie = lie_in_hand(X_WH, motion, surface, seen.estimate, hand, place)
+        table[:, own] = 1e3 * np.stack([lie.middle, lie.excess, lie.beside])
+    return dict(zip(("along_mm", "excess_mm", "beside_mm"), table, strict=True))
 
 
 def _subset(candidates: Candidates, chosen: IntArray) -> Candidates:
@@ -283,10 +298,10 @@ def draw(rows: Sequence[Row]) -> Figure:
     lifted = np.array([row["lifted"] for row in rows], bool)
     diagrams = {
         SCORES[name]: reliability(np.array([row[name] for row in rows]), lifted)
-        for name in ("learned", "rate")
+        for name in ("learned", "metric", "rate")
     }
     draw_reliability(right, diagrams)
-    right.set(xlabel="score", ylabel="share that was lifted")
+    right.set(xlabel="score", ylabel="share that was lifted", title="Reliability of the scores")
     return figure
 
 
@@ -300,7 +315,7 @@ def draw_roc(axes: Axes, rows: Sequence[Row]) -> None:
         alarms = [0.0, *((score >= t)[~lifted].mean() for t in steps), 1.0]
         width = 2.5 if name == "learned" else 1.2
         axes.plot(alarms, hits, lw=width, label=f"{label}: {auc(score, lifted):.3f}")
-    axes.plot([0, 1], [0, 1], color="grey", lw=0.8)
+    axes.plot([0, 1], [0, 1], color="black", lw=0.8, ls=":", label="by lot: 0.5")
     axes.set(
         xlabel="share of failing grasps that are accepted",
         ylabel="share of lifting grasps that are accepted",

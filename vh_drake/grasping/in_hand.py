@@ -12,6 +12,7 @@ import dataclasses as dc
 
 import numpy as np
 
+from vh_drake.geometry.meshes import Mask
 from vh_drake.grasping.field import ObjectField
 from vh_drake.grasping.motions import hand_axes
 from vh_drake.hand.model import HandModel
@@ -34,23 +35,33 @@ class PlaceSettings:
     side_band_m: list[float] = dc.field(default_factory=lambda: [-0.045, 0.06])
 
 
-def well_placed(
+@dc.dataclass(frozen=True, eq=False)
+class Lie:
+    """How an object lies in the open hands of n candidates of one motion, in metres."""
+
+    met: Mask  # (n,) whether any of it lies in the fingers' band
+    middle: Array  # (n,) of its slice in that band before the power TCP, along the fingers
+    excess: Array  # (n,) of the slice's length over the object's narrowest side
+    beside: Array  # (n,) its centre of mass beside the power TCP, towards the thumb's side
+
+
+def lie_in_hand(
     X_WH: Array,
     motion: str,
     vertices: Array,
     field: ObjectField,
     hand: HandModel,
     settings: PlaceSettings,
-) -> Array:
-    """Factor (n,) in 0..1 of candidates X_WH (n, 4, 4) of one motion.
+) -> Lie:
+    """Where the object is between thumb and fingers before they close.
 
     Args:
-        X_WH: hand poses in which the closing starts.
+        X_WH: hand poses (n, 4, 4) in which the closing starts.
         motion: "collect" or "side".
-        vertices: of the estimated surface (v, 3).
+        vertices: of the surface (v, 3).
         field: the same with its centre of mass.
         hand: the hand.
-        settings: the wanted places.
+        settings: the fingers' band.
     """
     along, beside = _directions(X_WH, motion, field, hand)
     tcp = np.asarray(hand.description.tcps["power"])
@@ -62,17 +73,29 @@ def well_placed(
     outside = (offset < low) | (offset > high)
     first = np.where(outside, np.inf, position).min(axis=1)
     last = np.where(outside, -np.inf, position).max(axis=1)
-    met = first <= last  # else nothing of the object lies in the band
+    met = first <= last
     first, last = np.where(met, first, 0.0), np.where(met, last, 0.0)
-    width, middle = last - first, (first + last) / 2
+    excess = np.maximum(last - first - narrowest(vertices, field.table.normal), 0.0)
+    center = (beside * (field.center - p_WTcp)).sum(axis=1)
+    return Lie(met, (first + last) / 2, excess, center)
+
+
+def well_placed(
+    X_WH: Array,
+    motion: str,
+    vertices: Array,
+    field: ObjectField,
+    hand: HandModel,
+    settings: PlaceSettings,
+) -> Array:
+    """Factor (n,) in 0..1 of candidates of one motion; arguments as `lie_in_hand`."""
+    lie = lie_in_hand(X_WH, motion, vertices, field, hand, settings)
     wanted = settings.collect_along_m if motion == "collect" else settings.side_along_m
-    fit = _bell(middle - wanted, settings.along_std_m)
-    excess = np.maximum(width - narrowest(vertices, field.table.normal), 0.0)
-    fit *= _bell(excess, settings.width_std_m)
+    fit = _bell(lie.middle - wanted, settings.along_std_m)
+    fit *= _bell(lie.excess, settings.width_std_m)
     if motion == "collect":
-        center = (beside * (field.center - p_WTcp)).sum(axis=1)
-        fit *= _bell(center - settings.collect_beside_m, settings.beside_std_m)
-    placed: Array = np.where(met, fit, 0.0)
+        fit *= _bell(lie.beside - settings.collect_beside_m, settings.beside_std_m)
+    placed: Array = np.where(lie.met, fit, 0.0)
     return placed
 
 
