@@ -40,22 +40,29 @@ def share_at(distances_cm: Array, shares: Array, at_cm: Array) -> Array:
     return known
 
 
-def draw_progress(axes: Axes, curves: dict[str, list[tuple[Array, Array]]]) -> None:
+def draw_progress(
+    axes: Axes, curves: dict[str, list[tuple[Array, Array]]], *, goal: float = 0.8
+) -> None:
     """Explored share over distance: runs light, their median thick and dashed.
 
     Args:
         axes: to draw on.
         curves: of each strategy, (distances [cm], shares) of each run.
+        goal: the share that is to be reached.
     """
     longest = max(distances[-1] for runs in curves.values() for distances, _ in runs)
     at = np.linspace(0.0, longest, 400)
     for name, runs in curves.items():
-        color = COLORS[name]
+        color = COLORS.get(name, "0.4")
+        if len(runs) == 1:
+            (distances, shares), words = runs[0], label(name)
+            axes.plot(distances, 100.0 * shares, ".-", color=color, label=words)
+            continue
         for distances, shares in runs:
-            axes.plot(distances, 100.0 * shares, color=color, lw=0.6, alpha=0.25)
+            axes.plot(distances, 100.0 * shares, color=color, lw=0.8, alpha=0.35)
         median = np.median([share_at(d, s, at) for d, s in runs], axis=0)
         axes.plot(at, 100.0 * median, "--", color=color, lw=2.8, label=f"{label(name)}, median")
-    axes.axhline(80.0, color="0.6", lw=1, label="goal")
+    axes.axhline(100.0 * goal, color="0.6", lw=1, label="goal")
     axes.set(xlabel="distance [cm]", ylabel="explored surface [%]", xlim=(0, None), ylim=(0, 100))
     axes.legend(loc="lower right")
 

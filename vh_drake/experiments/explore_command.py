@@ -70,13 +70,13 @@ def explore_object(request: ExploreRequest, out: Path, *, record: bool) -> dict[
         "touches": [_touch(step) for step in result.steps],
     }
     write_json(out / "explore.json", report)
-    save_figure(out / "explore.png", draw(result, model.mesh, request.strategy))
+    save_figure(out / "explore.png", draw(result, model.mesh, request))
     if record:
         record_exploration(result, model.mesh, settings, out / "recording.html")
     return report
 
 
-def draw(result: Exploration, truth: TriMesh, strategy: str) -> Figure:
+def draw(result: Exploration, truth: TriMesh, request: ExploreRequest) -> Figure:
     """The way around the object, the estimate, and the explored share over the distance."""
     figure = Figure(figsize=(16.0, 5.5), layout="constrained")
     way: Any = figure.add_subplot(1, 3, 1, projection="3d")
@@ -89,7 +89,8 @@ def draw(result: Exploration, truth: TriMesh, strategy: str) -> Figure:
     estimate.set_title("estimate from the contacts", fontsize=10)
     set_view(estimate, truth)
     progress = figure.add_subplot(1, 3, 3)
-    draw_progress(progress, {strategy: [(100.0 * result.lengths_m, result.shares)]})
+    run = (100.0 * result.lengths_m, result.shares)
+    draw_progress(progress, {request.strategy: [run]}, goal=request.goal)
     progress.set_title("explored share of the true surface", fontsize=10)
     return figure
 
