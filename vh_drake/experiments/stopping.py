@@ -27,6 +27,7 @@ from vh_drake.types import Array
 RUNS = 3
 WANTED_MM = (2.0, 3.0, 5.0)
 TARGET = 0.8  # share of objects whose accuracy shall be met
+_ERRORS_MM = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # beside the figure's axis
 _SAMPLED = 5  # every so many touches the error is measured for the fit
 
 
@@ -180,8 +181,9 @@ def draw(axes: Axes, rows: Sequence[Row]) -> None:
         )
     ends = np.array([0.9 * min(WANTED_MM), 1.1 * max(WANTED_MM)])
     axes.plot(ends, ends, "k-", lw=0.8, label="error = wanted")
-    axes.set(xscale="log", yscale="log", xticks=list(WANTED_MM))
-    axes.set_xticklabels([f"{wanted:g}" for wanted in WANTED_MM])
+    axes.set(xscale="log", yscale="log")
+    axes.set_xticks(WANTED_MM, [f"{wanted:g}" for wanted in WANTED_MM])
+    axes.set_yticks(_ERRORS_MM, [f"{error:g}" for error in _ERRORS_MM])
     axes.minorticks_off()
     axes.set(xlabel="wanted accuracy [mm]", ylabel="true error when it stopped [mm]")
     axes.set_title("Below the line the wanted accuracy is met")
