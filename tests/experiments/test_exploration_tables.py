@@ -18,6 +18,9 @@ from vh_drake.experiments.figure_3_37 import regression
 from vh_drake.objects import lathe
 
 
+THREE = "igef,gp_variance,random,gp_variance_equal_radius"
+
+
 def made_row(name, contender, distance, end="goal"):
     return {
         "object": name,
@@ -102,7 +105,8 @@ def test_small_objects_are_left_out_and_rows_keep_their_split(folder, tmp_path):
 
 
 def written(report_module, folder, out, workers):
-    report = report_module.run(Options(objects=folder, runs=1, workers=workers, out=out))
+    options = Options(objects=folder, runs=1, strategies=THREE, workers=workers, out=out)
+    report = report_module.run(options)
     report.save(out)
     return report, (out / f"{report.name}.json").read_bytes()
 
@@ -139,10 +143,10 @@ def test_a_table_killed_at_random_moments_ends_with_the_same_bytes(folder, tmp_p
         "import sys\nfrom pathlib import Path\nfrom vh_drake.catalog import Options\n"
         "from vh_drake.experiments import table_3_5\n"
         "table_3_5.run(Options(objects=Path(sys.argv[1]), runs=3, workers=1,"
-        " out=Path(sys.argv[2]))).save(Path(sys.argv[2]))\n"
+        " strategies=sys.argv[3], out=Path(sys.argv[2]))).save(Path(sys.argv[2]))\n"
     )
     out = tmp_path / "killed"
-    command = [sys.executable, "-c", code, str(folder), str(out)]
+    command = [sys.executable, "-c", code, str(folder), str(out), THREE]
     journal, rng = out / "explorations.jsonl", np.random.default_rng(0)
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     for _ in range(3):
@@ -158,7 +162,8 @@ def test_a_table_killed_at_random_moments_ends_with_the_same_bytes(folder, tmp_p
         process.wait()
     subprocess.run(command, check=True, env=environment)
     whole = tmp_path / "whole"
-    table_3_5.run(Options(objects=folder, runs=3, workers=1, out=whole)).save(whole)
+    options = Options(objects=folder, runs=3, workers=1, strategies=THREE, out=whole)
+    table_3_5.run(options).save(whole)
     for name in ("table-3.5.json", "table-3.5.csv", "table-3.5.png", "explorations.jsonl"):
         assert (out / name).read_bytes() == (whole / name).read_bytes()
     assert json.loads((whole / "table-3.5.json").read_text())["settings"]["runs"] == 3

@@ -10,7 +10,6 @@ from vh_drake.experiments.exploration_pictures import share_at
 from vh_drake.experiments.explore_command import ExploreRequest, explore_object
 from vh_drake.objects import lathe
 
-
 CENTER = (0.0, 0.0, 0.03)  # shapes stand on the plane z = 0
 
 

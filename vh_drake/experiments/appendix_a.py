@@ -13,7 +13,7 @@ from vh_drake.experiments.contenders import chosen_contenders
 from vh_drake.experiments.exploration_statistics import compared, object_means
 from vh_drake.experiments.exploration_trials import RUNS, explored_objects, run_explorations
 from vh_drake.experiments.figure_files import save_figure
-from vh_drake.experiments.table_3_5 import by_split, described, thesis
+from vh_drake.experiments.table_3_5 import by_split, thesis
 from vh_drake.experiments.thesis_appendix_a import thesis_row
 from vh_drake.reports import Report, Row
 
@@ -34,7 +34,6 @@ def run(options: Options) -> Report:
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     draw_ratios(figure.subplots(), table)
     save_figure(options.out / "appendix-a.png", figure)
-    settings |= {"strategies": described(contenders)}
     return Report("appendix-a", settings, compared(object_means(rows)), thesis(), table)
 
 

@@ -7,6 +7,7 @@ from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
 from vh_drake.errors import BadInput
 from vh_drake.experiments.contenders import CONTENDERS, subject
+from vh_drake.exploration.tuned import TUNED
 from vh_drake.objects.folders import read_folder
 from vh_drake.objects.library import library_names
 from vh_drake.reports import Row
@@ -47,7 +48,11 @@ def explored_objects(options: Options) -> dict[str, str]:
 def run_explorations(
     options: Options, objects: Mapping[str, str], contenders: Sequence[str], *, runs: int
 ) -> tuple[Row, list[Row]]:
-    """Settings and one row a run; resumes from the journal in the out folder."""
+    """Settings and one row a run; resumes from the journal in the out folder.
+
+    Raises:
+        BadInput: the journal is of other settings.
+    """
     settings: Row = {
         "objects": dict(objects),
         "runs": runs,
@@ -56,6 +61,7 @@ def run_explorations(
         "goal": 0.8,
         "explored_radius_m": 0.02,
         "least_side_m": LEAST_SIDE_M,
+        "strategies": {name: repr(TUNED[name]) for name in contenders if name in TUNED},
     }
     folder = _folder(options)
     tasks = {

@@ -8,7 +8,6 @@ counts with the distance that it used.
 """
 
 import dataclasses as dc
-from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -52,19 +51,13 @@ def run(options: Options) -> Report:
     figure = Figure(figsize=(9.0, 2.0 + 0.3 * len(parts[result].objects)), layout="constrained")
     draw_distances(figure.subplots(), parts[result])
     save_figure(options.out / "table-3.5.png", figure)
-    settings |= {"split": result, "strategies": described(contenders)}
-    return Report("table-3.5", settings, summary, thesis(), rows)
+    return Report("table-3.5", {**settings, "split": result}, summary, thesis(), rows)
 
 
 def by_split(rows: list[Row]) -> dict[str, Means]:
     """Means of the objects of each split."""
     splits = dict.fromkeys(row["split"] for row in rows)
     return {split: object_means([row for row in rows if row["split"] == split]) for split in splits}
-
-
-def described(contenders: tuple[str, ...]) -> Mapping[str, str]:
-    """Which settings the strategies among the contenders had."""
-    return {name: repr(TUNED[name]) for name in contenders if name in TUNED}
 
 
 def thesis() -> dict[str, float]:
