@@ -131,7 +131,7 @@ def symmetric_distance(one: TriMesh, other: TriMesh, *, seed: int = 0) -> float:
 
 
 def summarized(rows: Sequence[Row]) -> Row:
-    """Median and largest error over all scenes, those with one touch first."""
+    """Median, mean and largest error over all scenes, those with one touch first."""
     seen = [row for row in rows if row["felt"] is not None]
     errors = {
         count: np.array([row[f"error_{count}_mm"] for row in seen]) for count in range(TOUCHES + 1)
@@ -146,6 +146,10 @@ def summarized(rows: Sequence[Row]) -> Row:
         "surface_error_max_mm": round(float(errors[1].max()), 3),
         "surface_error_max_object_mm": round(float(np.max(by_object)), 3),
         **{f"surface_error_median_{count}_touches_mm": value for count, value in medians.items()},
+        **{
+            f"surface_error_mean_{count}_touches_mm": round(float(np.mean(values)), 3)
+            for count, values in errors.items()
+        },
         "falls_with_each_touch": all(medians[i + 1] < medians[i] for i in range(TOUCHES)),
         "scenes": len(rows),
         "scenes_not_seen": len(rows) - len(seen),

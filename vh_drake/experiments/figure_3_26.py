@@ -29,13 +29,13 @@ from vh_drake.reports import Report, Row
 from vh_drake.types import Array, ContactSet
 
 STRATEGIES: dict[str, Strategy] = {
-    "GP-V": GpVariance(first=3000),
+    "GP-V": GpVariance(first=10_000),
     "IGEF": Igef(),
     "RND": Random(),
 }
 PLANE_IGEF = IgefSettings(sigma1_m=0.02, mu3_m=0.03, sigma3_m=0.005)  # a spiral, as figure 3.18
 SIDE_M = 0.24  # of the plane's square
-NODES = 49  # a side
+NODES = 81  # a side
 TOUCHES = 20
 SHOWN = (3, 8, 14, 20)
 RADIUS_M, CUBE_M = 0.05, 0.08
