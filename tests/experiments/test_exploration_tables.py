@@ -17,7 +17,6 @@ from vh_drake.experiments.exploration_trials import explored_objects
 from vh_drake.experiments.figure_3_37 import regression
 from vh_drake.objects import lathe
 
-
 THREE = "igef,gp_variance,random,gp_variance_equal_radius"
 
 
