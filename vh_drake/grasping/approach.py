@@ -21,9 +21,11 @@ class GraspMotionSettings:
     """Distances and times of a grasp.
 
     Closed in an open loop, hand and fingers play the coordinated motion of section 4.5.4 as a
-    tape. In a closed loop the hand follows the fingers' measured travel and yields to the force
-    at the wrist; after a piece of the lift the wrist tells whether anything is held, and if
-    not, the hand goes down, opens, moves towards what resisted it, and closes once more.
+    tape. In a closed loop the hand follows the fingers' measured travel, stands still once they
+    have found the object, and yields to the force at the wrist, which brings it over the object.
+    With `weigh_m` the wrist tells after a piece of the lift whether anything is held; if not,
+    the hand goes down, opens, moves towards what resisted it, and closes once more. That is left
+    out by default: long objects still rest on the table then, and feel like nothing.
     """
 
     standoff_m: float = 0.12  # of a side grasp, against the palm's direction
@@ -36,9 +38,8 @@ class GraspMotionSettings:
     gather_fingers: float = 0.5
     gather_thumb: float = 0.2
     closing: str = "closed_loop"  # of CLOSINGS
-    yields: bool = False  # a closed loop, to forces on the hand
-    # After this piece of the lift a closed loop asks the wrist whether anything is held; 0: not.
-    weigh_m: float = 0.0
+    yields: bool = True  # a closed loop, to forces on the hand
+    weigh_m: float = 0.0  # piece of the lift after which a closed loop weighs; 0: it does not
     least_load_n: float = 0.12
     seek_m: float = 0.015  # of a second closing, towards what resisted the first
     lift_m: float = 0.185  # 15 cm and what a heavy object may sag meanwhile
