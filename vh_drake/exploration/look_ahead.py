@@ -52,7 +52,7 @@ class LookAhead:
     discount: float = 0.7  # γ
     trust_m: float = 0.04  # distance beyond r_E over which w falls to 1/e
     hit_m: float = 0.02  # distance beyond r_E over which h falls to 1/e
-    miss_m: float = 0.02  # l_m
+    miss_m: float = 0.04  # l_m
 
     def rate(self, situation: Situation) -> Array:
         """Best rate ρ (m,) [places/m]; negative where no kept tour begins, -inf if left out."""

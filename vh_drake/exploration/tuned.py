@@ -31,7 +31,7 @@ TUNED: Mapping[str, ExplorerSettings] = {
     "uncertainty_cost": ExplorerSettings(UncertaintyCost(1.0), RADIUS_M, margin_m=0.01),
     "potential_field": ExplorerSettings(PotentialField(), RADIUS_M),
     "lookahead": ExplorerSettings(
-        LookAhead(), 0.08, margin_m=0.03, fresh_m=0.012, barren_m=0.006, clearance_m=0.001
+        LookAhead(), 0.08, margin_m=0.025, fresh_m=0.009, barren_m=0.006, clearance_m=0.001
     ),
 }
 
