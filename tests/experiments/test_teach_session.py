@@ -101,7 +101,9 @@ def test_jogs_move_the_simulated_hand_by_their_steps(taught):
     taught.do("up", "up", wait_s=1.0)
     after = taught.hand_pose()
     np.testing.assert_allclose(after[:3, 3] - before[:3, 3], [0, 0, 0.010], atol=1.5e-3)
+    assert taught.lines[-1].endswith("up 10 mm")
     taught.do("fingertips down", wait_s=1.0)
+    assert taught.lines[-1].endswith("up 10 mm, pitch 3 deg")
     fingers = taught.hand_pose()[:3, 2]
     angle = np.arccos(fingers @ after[:3, 2])
     assert np.rad2deg(angle) == pytest.approx(3.0, abs=0.3)

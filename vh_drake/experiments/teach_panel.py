@@ -6,10 +6,11 @@ from collections.abc import Mapping
 import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import InMemoryMesh, Mesh, Meshcat
+from pydrake.math import RigidTransform
 
 from vh_drake.geometry.billboard import text_billboard
 from vh_drake.geometry.glyphs import balls, joined, tube
-from vh_drake.scenes.showing import SIGN_HEIGHT_M, sign_pose
+from vh_drake.scenes.showing import sign_pose
 from vh_drake.types import Array
 
 # Label: what it jogs, in which sense, and the key that does the same.
@@ -49,6 +50,8 @@ SLIDERS = {
 FINGER_SLIDERS = {"fingers [%]": "fingers", "thumb [%]": "thumb"}
 _BLUE, _ORANGE = np.array([0.15, 0.35, 0.85]), np.array([1.0, 0.45, 0.0])
 _PATH, _SIGN = "/teach/path", "/teach/sign"
+# Over the near corner of the table, where neither the robot nor the controls hide it.
+_P_W_SIGN, _SIGN_HEIGHT_M = (0.64, -0.77, 0.97), 0.03
 
 
 @dc.dataclass(frozen=True)
@@ -76,7 +79,7 @@ class TeachPanel:
             meshcat.AddButton(label, key)
         for label, key in ACTION_BUTTONS.items():
             meshcat.AddButton(label, key)
-        meshcat.SetTransform(_SIGN, sign_pose())
+        meshcat.SetTransform(_SIGN, RigidTransform(sign_pose().rotation(), _P_W_SIGN))
 
     def read(self) -> Touched:
         """What happened since the last call, in the order of the panel."""
@@ -101,7 +104,7 @@ class TeachPanel:
 
     def show_text(self, text: str) -> None:
         """Puts a text on the sign."""
-        sign = MemoryFile(text_billboard(text, height_m=SIGN_HEIGHT_M), ".gltf", "sign")
+        sign = MemoryFile(text_billboard(text, height_m=_SIGN_HEIGHT_M), ".gltf", "sign")
         self._meshcat.SetObject(_SIGN, Mesh(InMemoryMesh(mesh_file=sign)))
 
     def show_path(self, p_WP: Array, selected: int) -> None:

@@ -15,7 +15,7 @@ from vh_drake.experiments.teach_panel import (
     TeachPanel,
     Touched,
 )
-from vh_drake.hand.key_points import hand_pose, load_key_points, save_key_points
+from vh_drake.hand.key_points import KeyPoint, hand_pose, load_key_points, save_key_points
 from vh_drake.hand.program import travel_time
 from vh_drake.hand.teaching import Teaching
 from vh_drake.scenes.teaching import TeachingScene
@@ -136,13 +136,7 @@ class TeachSession:
         if name in ("roll", "pitch", "yaw"):
             step = self._panel.value("step [degrees]")
         self.teaching = self.teaching.jogged(name, sense * step)
-        target = self.teaching.target
-        forward, left, up = (round(1e3 * value, 1) + 0.0 for value in target.position_m)
-        roll, pitch, yaw = target.rpy_deg
-        self._say(
-            f"forward {forward:g}, left {left:g}, up {up:g} mm; "
-            f"roll {roll:g}, pitch {pitch:g}, yaw {yaw:g} degrees"
-        )
+        self._say(_offset_text(self.teaching.target))
 
     def _move_fingers(self, touched: Touched) -> None:
         for label, name in FINGER_SLIDERS.items():
@@ -221,7 +215,7 @@ class TeachSession:
     def _say(self, text: str) -> None:
         self._text = text
         self._tell(f"{self.time_s:7.2f} s  {text}")
-        self._panel.show_text(text if len(text) < 80 else text[:77] + "...")
+        self._panel.show_text(text if len(text) < 60 else text[:57] + "...")
 
     def _show(self) -> None:
         """Sliders follow what plays; the path follows the key points."""
@@ -239,3 +233,12 @@ class TeachSession:
         p_HP = np.array(description.tcps["power"])
         poses = [hand_pose(point, description, self.X_WH0) for point in self.teaching.points]
         return np.array([X[:3, :3] @ p_HP + X[:3, 3] for X in poses]).reshape(-1, 3)
+
+
+def _offset_text(target: KeyPoint) -> str:
+    """How far a target is from the start, without what is zero."""
+    lengths = zip(("forward", "left", "up"), 1e3 * np.array(target.position_m), strict=True)
+    angles = zip(("roll", "pitch", "yaw"), target.rpy_deg, strict=True)
+    parts = [f"{name} {value:.4g} mm" for name, value in lengths if abs(value) > 1e-3]
+    parts += [f"{name} {value:.4g} deg" for name, value in angles if abs(value) > 1e-3]
+    return ", ".join(parts) or "at the start"
