@@ -6,14 +6,10 @@ The modules beside it say what each part means and check what comes in.
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from vh_drake.types import Array
 
-Mask = NDArray[np.bool_]
-
 SINGULAR_VALUE_FLOOR = 1e-9  # directions below count as not reachable at all
-ROUNDING_RAD = 1e-9  # of positions that are led up to a limit
 FASTEST = 1e3  # of spatial velocities [rad/s, m/s]; no joint gets anywhere near
 
 
@@ -159,14 +155,6 @@ def limit_avoidance(q: Array, lower: Array, upper: Array) -> Array:
 
 
 @njit(cache=True)
-def leaves_range(velocity: Array, q: Array, lower: Array, upper: Array, horizon: float) -> Mask:
-    """Which joints (n,) would pass a position limit within `horizon` [s]."""
-    ahead = q + horizon * velocity
-    past = (ahead > upper + ROUNDING_RAD, ahead < lower - ROUNDING_RAD)
-    return ((velocity > 0.0) & past[0]) | ((velocity < 0.0) & past[1])
-
-
-@njit(cache=True)
 def joint_velocity(
     J: Array, velocity: Array, q: Array, limits: Array, threshold: float, horizon: float
 ) -> Array:
@@ -197,27 +185,23 @@ def joint_velocity(
 
 @njit(cache=True)
 def null_space_velocity(J: Array, q: Array, lower: Array, upper: Array, threshold: float) -> Array:
-    """Equation 4.6 with an orthonormal basis, and what `damped_inverse_product` gives up."""
+    """Equation 4.6 with an orthonormal basis, fading out towards singular postures."""
     _, s, Vt = np.linalg.svd(J, full_matrices=True)
     wanted = limit_avoidance(q, lower, upper)
     velocity = np.zeros(len(q))
-    for i in range(len(q)):
-        weight = 1.0
-        if i < len(s):
-            weight = max(1.0 - (s[i] / threshold) ** 2, 0.0) if s[i] < threshold else 0.0
-        if weight > 0.0:
-            velocity += weight * np.sum(Vt[i] * wanted) * Vt[i]
-    return velocity
+    for i in range(len(s), len(q)):
+        velocity += np.sum(Vt[i] * wanted) * Vt[i]
+    return velocity * min(s[-1] / threshold, 1.0) ** 2
 
 
 @njit(cache=True)
-def largest_share(base: Array, addition: Array, velocity_limits: Array) -> float:
-    """The largest share in 0..1 of `addition` that keeps the sum within the limits."""
+def largest_share(base: Array, addition: Array, low: Array, high: Array) -> float:
+    """The largest share in 0..1 of `addition` that keeps the sum within low and high."""
     share = 1.0
     for i in range(len(base)):
-        room = velocity_limits[i] - base[i] * np.sign(addition[i])
+        room = max(high[i] - base[i] if addition[i] > 0.0 else base[i] - low[i], 0.0)
         if np.abs(addition[i]) * share > room:
-            share = max(room, 0.0) / np.abs(addition[i])
+            share = room / np.abs(addition[i])
     return share
 
 
@@ -225,24 +209,25 @@ def largest_share(base: Array, addition: Array, velocity_limits: Array) -> float
 def add_avoidance(
     base: Array, J: Array, q: Array, limits: Array, gain: float, threshold: float, horizon: float
 ) -> Array:
-    """Equation 4.7 within all limits; a joint that it would push out of its range is held.
+    """Equation 4.7 within all limits.
 
-    limits (3, n): lower, upper [rad], velocity [rad/s].
+    What is best for the arm as a whole can push a joint out of its range. Then only a share of it
+    is added, and for the rest what the other joints can do while those stand still: so nothing
+    jumps as a joint comes to its limit.
+    limits: at least lower, upper [rad], velocity [rad/s].
     """
-    n = len(q)
-    held = np.zeros(n, dtype=np.bool_)
-    base = scale_to_limits(base, limits[2])
-    base[leaves_range(base, q, limits[0], limits[1], horizon)] = 0.0
-    for _ in range(n - 5):
-        moving = np.where(held, 0.0, J)  # What held joints can't do, the others don't count on.
-        addition = gain * null_space_velocity(moving, q, limits[0], limits[1], threshold)
-        addition[held] = 0.0
-        total = base + largest_share(base, addition, limits[2]) * addition
-        outside = leaves_range(total, q, limits[0], limits[1], horizon) & ~held
-        if not np.any(outside):
-            return total
-        held |= outside
-    return base
+    low = np.maximum(np.minimum((limits[0] - q) / horizon, 0.0), -limits[2])
+    high = np.minimum(np.maximum((limits[1] - q) / horizon, 0.0), limits[2])
+    total = np.minimum(np.maximum(scale_to_limits(base, limits[2]), low), high)
+    addition = gain * null_space_velocity(J, q, limits[0], limits[1], threshold)
+    share = largest_share(total, addition, low, high)
+    pushed = (total + addition > high) | (total + addition < low)
+    total = total + share * addition
+    if share < 1.0:
+        rest = null_space_velocity(np.where(pushed, 0.0, J), q, limits[0], limits[1], threshold)
+        rest = (1.0 - share) * gain * np.where(pushed, 0.0, rest)
+        total = total + largest_share(total, rest, low, high) * rest
+    return total
 
 
 @njit(cache=True)

@@ -44,16 +44,16 @@ def null_space_velocity(
     .. math:: \dot\theta^N = \sum_j N_j \, (N_j \cdot \dot\theta^a) / |N_j|^2
 
     The sum holds for orthogonal columns N_j; they are orthonormal here. Near a singular posture
-    the null space turns fast with the joints, towards the direction in which the hand can hardly
-    move. So that direction takes part, by 1 - s²/s_0² where its singular value s is below the
-    threshold s_0: as much as the damped inverse (`cartesian_velocity_to_joints`) gives it up.
+    the null space turns fast with the joints, and a hand that follows it trembles. So the
+    velocity fades out by (s / s_0)² where the least singular value s of J is below s_0, and is
+    zero in the posture itself.
 
     Args:
         jacobian: of the hand in W (6, n).
         q: joint positions (n,) [rad].
         lower: position limits (n,) [rad].
         upper: position limits (n,) [rad].
-        singular_threshold: s_0; with the least positive number the null space alone counts.
+        singular_threshold: s_0, in the Jacobian's mixed units.
     """
     velocity: Array = kernels.null_space_velocity(
         _contiguous(jacobian), _contiguous(q), lower, upper, singular_threshold
@@ -79,9 +79,9 @@ def add_null_space_velocity(
 
     Where the sum would exceed a velocity limit only the addition shrinks, since the hand's
     own motion goes first. What is best for the arm as a whole can push a single joint
-    outward: one that would pass its limit within the horizon is held, and the null space of the
-    others is used. Joint velocities that come in beyond
-    the limits are scaled down, and a joint that they would drive out of its range is held.
+    outward: no joint moves towards a limit faster than it would take the horizon to get there,
+    and what the sum thereby loses the null space of the other joints takes over. Joint
+    velocities that come in beyond the limits are bounded likewise.
 
     Raises:
         BadInput: a number is not finite.
