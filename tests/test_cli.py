@@ -127,3 +127,11 @@ def test_the_seed_of_a_scenario_holds_unless_one_is_given(monkeypatch, tmp_path,
     )
     assert run(monkeypatch, "grasp", "--scenario", str(file), *arguments) == 0
     assert (ran[0].seed, ran[0].object) == (seed, "can")
+
+
+def test_benchmarks_take_a_folder_of_objects_where_they_use_one(monkeypatch, capsys, tmp_path):
+    missing = str(tmp_path / "none")
+    assert run(monkeypatch, "bench", "closing", "--objects", missing) == 2
+    assert "no such folder" in capsys.readouterr().err
+    assert run(monkeypatch, "bench", "tendon", "--objects", str(tmp_path)) == 2
+    assert "has no option --objects" in capsys.readouterr().err

@@ -348,7 +348,9 @@ def reproduce(
 @app.command()
 def bench(
     name: Annotated[str, typer.Argument(metavar="[NAME]", help="None lists them all.")] = "",
+    objects_: ObjectsOption = None,
     runs: RunsOption = None,
+    split: SplitOption = None,
     seed: SeedOption = 0,
     out: OutOption = None,
     as_json: JsonOption = False,
@@ -356,7 +358,14 @@ def bench(
     """Measure speed and agreement beside other implementations, in one run."""
     from vh_drake.catalog import BENCHES, Options
 
-    options = Options(runs=runs, seed=seed, workers=1, out=out or Path("out") / f"bench-{name}")
+    options = Options(
+        objects=objects_,
+        runs=runs,
+        split=split,
+        seed=seed,
+        workers=1,
+        out=out or Path("out") / f"bench-{name}",
+    )
     _run_from(BENCHES, "benchmark", name, options, as_json)
 
 
