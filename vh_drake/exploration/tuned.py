@@ -1,8 +1,8 @@
 """Every strategy by name, with the settings that explored the train split best.
 
-They won the grid of `reproduce exploration-tuning`, which says by which rule; of two values of μ3
-that tie there, 25 and 30 mm, IGEF has the one with fewer contacts. With all of them the fingertip
-leaves along the contact normal: along the inverse approach velocity (eq. 3.71) it crawls on edges.
+They won the grid of `reproduce exploration-tuning`, which says by which rule. With all of them the
+fingertip leaves along the contact normal: along the inverse approach velocity (eq. 3.71) it crawls
+on edges.
 """
 
 import dataclasses as dc
@@ -25,7 +25,7 @@ from vh_drake.exploration.strategies import (
 RADIUS_M = 0.05  # R_0 of section 3.3.2, around the last contact
 
 TUNED: Mapping[str, ExplorerSettings] = {
-    "igef": ExplorerSettings(Igef(IgefSettings(mu3_m=0.03)), RADIUS_M, margin_m=0.05),
+    "igef": ExplorerSettings(Igef(IgefSettings(mu3_m=0.025)), RADIUS_M, margin_m=0.05),
     "gp_variance": ExplorerSettings(GpVariance(), np.inf, margin_m=0.05),
     "random": ExplorerSettings(Random(), RADIUS_M, margin_m=0.03),
     "uncertainty_cost": ExplorerSettings(UncertaintyCost(1.0), RADIUS_M, margin_m=0.01),
