@@ -19,7 +19,7 @@ def test_memory_in_use_rises_with_what_is_kept():
 
 
 def test_memory_counts_once_caches_are_full():
-    memory = [100.0, 300.0, 350.0, 400.0, 400.0, 410.0, 415.0, 412.0]
+    memory = [100.0, 300.0, 350.0, 400.0, 400.0, 410.0, 415.0, 412.0, 411.0, 412.0, 413.0]
     rows = [{"memory_mb": m, "crash": "", "not_finite": []} for m in memory]
     summary = summarized(rows, same=True)
     assert summary["memory_growth_mb"] == 5.0
