@@ -27,7 +27,7 @@ CASES = {
         "wrong.yaml: table.friction is nan; choose a value from 0 to 2",
     ),
     "a negative mass": (("grasp", "mug", "--mass", "-0.1", *QUIET), "mass_kg is -0.1; choose"),
-    "an unknown hand": (("grasp", "mug", "--hand", "armar7", *QUIET), "one of: armar6_right"),
+    "an unknown hand": (("grasp", "mug", "--hand", "armar7", *QUIET), "armar6_right"),
     "a missing hand": (("grasp", "mug", "--hand", "nowhere.yaml", *QUIET), "nowhere.yaml"),
     "a missing cloud": (("plan", "nowhere.ply"), "no file at nowhere.ply"),
     "an empty cloud": (("plan", "empty.pcd"), "empty.pcd is empty"),
