@@ -20,7 +20,12 @@ from vh_drake.learning.labels import (
 )
 from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.network import GraspNetwork
-from vh_drake.scenes.rating import conventional_scorer, learned_scorer, make_scorer
+from vh_drake.scenes.rating import (
+    conventional_scorer,
+    learned_scorer,
+    make_scorer,
+    scorer_in_use,
+)
 from vh_drake.types import Candidates, ContactSet
 
 SETTINGS = ScoringSettings(perturbation=PerturbationSettings(min_samples=8, max_samples=8))
@@ -95,6 +100,9 @@ def test_a_hand_that_the_metric_never_learnt_with_is_rated_conventionally(candid
     view = can_view()
     scores = make_scorer("learned", foreign, 1)(candidates, estimate, view, NONE)
     same = make_scorer("conventional", foreign, 1)(candidates, estimate, view, NONE)
+    assert scorer_in_use("learned", foreign) == "conventional"
+    assert scorer_in_use("epsilon", foreign) == "epsilon"
+    assert scorer_in_use("learned", hand) == "learned"
     np.testing.assert_array_equal(scores.score, same.score)
     learned = make_scorer("learned", hand, 1)(candidates, estimate, view, NONE)
     assert not np.array_equal(learned.score, same.score)

@@ -29,6 +29,7 @@ from vh_drake.objects.model import ObjectModel
 from vh_drake.result_files import write_json
 from vh_drake.scenes.decision import Decision, make_decision
 from vh_drake.scenes.placing import draw_object_pose, place_object
+from vh_drake.scenes.rating import scorer_in_use
 from vh_drake.scenes.recording import start_recording, write_recording
 from vh_drake.scenes.scenario import Scenario, check_scenario
 from vh_drake.scenes.showing import add_publishers, add_robot_visualizer
@@ -309,7 +310,7 @@ def _result(trial: Trial, story: Story, watch: _Watch) -> dict[str, object]:
         "mass_source": trial.model.mass_source,
         "object_report": list(trial.model.report),
         "seed": scenario.seed,
-        "scorer": scenario.scorer,
+        "scorer": scorer_in_use(scenario.scorer, trial.station.hand),
         "contact_model": scenario.contact,
         "object_pose": rounded(trial.X_WO.GetAsMatrix4()),
         "points_seen": len(view.p_WO),
