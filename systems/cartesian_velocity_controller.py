@@ -1,6 +1,5 @@
 """Cartesian velocity control of the hand as a LeafSystem."""
 
-import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from vh_drake.control.cartesian_velocity import SINGULAR_THRESHOLD, cartesian_velocity_to_joints
@@ -57,7 +56,8 @@ class CartesianVelocityController(LeafSystem):
 
     def _calc_joint_velocity(self, context: Context, output: BasicVector) -> None:
         arm = self._kinematics
-        q, now = np.split(self._state.Eval(context), 2)
+        state = self._state.Eval(context)
+        q, now = state[:8], state[8:]
         velocity = cartesian_velocity_to_joints(
             self._velocity.Eval(context),
             arm.jacobian(q),

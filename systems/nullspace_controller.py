@@ -1,6 +1,5 @@
 """Null-space control of the arm (eq. 4.2 to 4.7) as a LeafSystem."""
 
-import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from vh_drake.control.joint_limits import limited_joint_velocity
@@ -53,7 +52,8 @@ class NullspaceController(LeafSystem):
 
     def _calc_joint_velocity(self, context: Context, output: BasicVector) -> None:
         arm = self._kinematics
-        q, now = np.split(self._state.Eval(context), 2)
+        state = self._state.Eval(context)
+        q, now = state[:8], state[8:]
         velocity = add_null_space_velocity(
             self._velocity.Eval(context),
             arm.jacobian(q),

@@ -51,6 +51,6 @@ def pose_error(X_WH_target: Array, X_WH: Array) -> Array:
 
 def _checked(X: Array) -> Array:
     X = np.ascontiguousarray(X, dtype=float)
-    if X.shape != (4, 4) or not np.isfinite(X).all():
+    if X.shape != (4, 4) or not kernels.finite(X):
         raise BadInput(f"a pose is a finite array of shape (4, 4), not {X.tolist()}")
     return X

@@ -52,7 +52,7 @@ def cartesian_velocity_to_joints(
     J = np.ascontiguousarray(jacobian, dtype=float)
     q = np.ascontiguousarray(q, dtype=float)
     _check(velocity, J, q)
-    limits = np.stack([lower, upper, velocity_limits]).astype(float)
+    limits = np.array((lower, upper, velocity_limits), dtype=float)
     joint_velocity: Array = kernels.joint_velocity(
         J, velocity, q, limits, singular_threshold, limit_horizon_s
     )
@@ -65,7 +65,7 @@ def _check(velocity: Array, J: Array, q: Array) -> None:
             f"spatial velocity {velocity.shape}, Jacobian {J.shape} and joint positions "
             f"{q.shape} do not fit; pass (6,), (6, n) and (n,)"
         )
-    if not all(np.isfinite(array).all() for array in (velocity, J, q)):
+    if not (kernels.finite(velocity) and kernels.finite(J) and kernels.finite(q)):
         raise BadInput(
             "spatial velocity, Jacobian or joint positions are not finite; "
             "check the poses that they came from"

@@ -128,6 +128,15 @@ def damped_inverse_product(J: Array, velocity: Array, threshold: float) -> Array
 
 
 @njit(cache=True)
+def finite(x: Array) -> bool:
+    """Whether all numbers are; far quicker than numpy where they are few."""
+    for value in x.flat:
+        if not np.isfinite(value):
+            return False
+    return True
+
+
+@njit(cache=True)
 def within(x: Array, largest: float) -> Array:
     """The same direction, no component larger than `largest`; sums of squares can't overflow."""
     most = np.max(np.abs(x))

@@ -94,6 +94,10 @@ class ArmKinematics:
         self.acceleration_limits = np.array(  # (8,) [rad/s^2]
             [joint.acceleration_upper_limits()[0] for joint in joints]
         )
+        # Rows: lower, upper [rad], velocity [rad/s], acceleration [rad/s^2]; (4, 8).
+        self.limits = np.stack(
+            [self.lower, self.upper, self.velocity_limits, self.acceleration_limits]
+        )
         self.home = home_configuration(side)  # (8,) [rad]
         self._axes, self._points, self._X_WH0 = self._screws_at_zero(joints)
 
@@ -124,11 +128,6 @@ class ArmKinematics:
     def screws(self) -> tuple[Array, Array, Array]:
         """Axes (8, 3), points (8, 3) [m] and the hand pose (4, 4) at q = 0, in W."""
         return self._axes, self._points, self._X_WH0
-
-    @property
-    def limits(self) -> Array:
-        """Rows: lower, upper [rad], velocity [rad/s], acceleration [rad/s^2]; (4, 8)."""
-        return np.stack([self.lower, self.upper, self.velocity_limits, self.acceleration_limits])
 
     def _screws_at_zero(self, joints: list[RevoluteJoint]) -> tuple[Array, Array, Array]:
         context = self._plant.CreateDefaultContext()

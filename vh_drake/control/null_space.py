@@ -86,13 +86,14 @@ def add_null_space_velocity(
     Raises:
         BadInput: a number is not finite.
     """
-    if not all(np.isfinite(array).all() for array in (joint_velocity, jacobian, q)):
+    velocity, J, q = _contiguous(joint_velocity), _contiguous(jacobian), _contiguous(q)
+    if not (kernels.finite(velocity) and kernels.finite(J) and kernels.finite(q)):
         raise BadInput("joint velocities, Jacobian or joint positions are not finite")
     total: Array = kernels.add_avoidance(
-        _contiguous(joint_velocity),
-        _contiguous(jacobian),
-        _contiguous(q),
-        np.stack([lower, upper, velocity_limits]).astype(float),
+        velocity,
+        J,
+        q,
+        np.array((lower, upper, velocity_limits), dtype=float),
         gain,
         singular_threshold,
         limit_horizon_s,
