@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scenery import right_arm
 
+from vh_drake.control import kernels
 from vh_drake.control.joint_limits import PERIOD_S, limited_joint_velocity
 from vh_drake.errors import BadInput
 
@@ -81,3 +82,13 @@ def test_velocities_within_all_limits_pass_unchanged():
 def test_what_is_no_velocity_is_refused(bad):
     with pytest.raises(BadInput, match="finite"):
         step(bad, ARM.home, np.zeros(8))
+
+
+@pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf])
+def test_numbers_that_are_not_finite_are_found_anywhere(odd):
+    x = np.array([[1e308, -1e308, 0.0], [1e-320, 5.0, -0.0]])
+    assert kernels.finite(x)
+    for place in np.ndindex(x.shape):
+        broken = x.copy()
+        broken[place] = odd
+        assert not kernels.finite(broken)

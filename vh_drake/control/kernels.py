@@ -130,10 +130,10 @@ def damped_inverse_product(J: Array, velocity: Array, threshold: float) -> Array
 @njit(cache=True)
 def finite(x: Array) -> bool:
     """Whether all numbers are; far quicker than numpy where they are few."""
+    total = 0.0
     for value in x.flat:
-        if not np.isfinite(value):
-            return False
-    return True
+        total += 0.0 * value  # NaN where the value is NaN or infinite
+    return total == 0.0
 
 
 @njit(cache=True)
