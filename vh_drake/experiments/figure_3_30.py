@@ -9,10 +9,15 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
 from vh_drake.experiments.contenders import subject
-from vh_drake.experiments.example_objects import RUNS, STRATEGIES, example_objects, example_runs
+from vh_drake.experiments.example_objects import (
+    STRATEGIES,
+    Task,
+    example_objects,
+    example_runs,
+    explored_rows,
+)
 from vh_drake.experiments.exploration_pictures import draw_progress, draw_way, label
 from vh_drake.experiments.figure_files import save_figure
 from vh_drake.reports import Report, Row
@@ -27,30 +32,17 @@ def run(options: Options) -> Report:
     Raises:
         BadInput: the folder of objects is unusable.
     """
-    examples, runs = example_objects(options), options.runs or RUNS
-    tasks = {
-        f"{name} {strategy} {seed}": (name, folder, strategy, seed)
-        for name, folder in examples.items()
-        for strategy in STRATEGIES
-        for seed in range(options.seed, options.seed + runs)
-    }
-    settings: Row = {"objects": list(examples), "runs": runs, "seed": options.seed}
-    rows: list[Row] = run_tasks(
-        progress_row,
-        tasks,
-        settings=settings,
-        journal=options.out / "progress.jsonl",
-        workers=options.workers,
-        title="figures 3.30 to 3.35",
+    settings, rows = explored_rows(
+        progress_row, options, journal="progress.jsonl", title="figures 3.30 to 3.35"
     )
-    for i, (name, folder) in enumerate(examples.items()):
+    for i, (name, folder) in enumerate(example_objects(options).items()):
         own = [row for row in rows if row["object"] == name]
         _save_ways(options, 30 + 2 * i, name, folder)
         _save_progress(options, 31 + 2 * i, name, own)
     return Report("figure-3.30", settings, summary(rows), {}, rows)
 
 
-def progress_row(task: tuple[str, str, str, int]) -> Row:
+def progress_row(task: Task) -> Row:
     """Distance and explored share after each touch of one exploration."""
     name, folder, strategy, seed = task
     (result,) = example_runs(name, folder, strategy, [seed])

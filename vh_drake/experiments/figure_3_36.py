@@ -4,9 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
-from vh_drake.experiments.example_objects import RUNS, STRATEGIES, example_objects, example_runs
+from vh_drake.experiments.example_objects import STRATEGIES, Task, example_runs, explored_rows
 from vh_drake.experiments.exploration_pictures import COLORS, label
 from vh_drake.experiments.figure_files import save_figure
 from vh_drake.reports import Report, Row
@@ -18,29 +17,14 @@ def run(options: Options) -> Report:
     Raises:
         BadInput: the folder of objects is unusable.
     """
-    examples, runs = example_objects(options), options.runs or RUNS
-    tasks = {
-        f"{name} {strategy} {seed}": (name, folder, strategy, seed)
-        for name, folder in examples.items()
-        for strategy in STRATEGIES
-        for seed in range(options.seed, options.seed + runs)
-    }
-    settings: Row = {"objects": list(examples), "runs": runs, "seed": options.seed}
-    rows: list[Row] = run_tasks(
-        error_row,
-        tasks,
-        settings=settings,
-        journal=options.out / "errors.jsonl",
-        workers=options.workers,
-        title="figure 3.36",
-    )
+    settings, rows = explored_rows(error_row, options, journal="errors.jsonl", title="figure 3.36")
     figure = Figure(figsize=(7.5, 5.0), layout="constrained")
     draw_errors(figure.subplots(), rows)
     save_figure(options.out / "figure-3.36.png", figure)
     return Report("figure-3.36", settings, summary(rows), {}, rows)
 
 
-def error_row(task: tuple[str, str, str, int]) -> Row:
+def error_row(task: Task) -> Row:
     """Mean distance of predicted and actual contacts of one exploration [mm]."""
     name, folder, strategy, seed = task
     (result,) = example_runs(name, folder, strategy, [seed])
