@@ -18,6 +18,7 @@ from vh_drake.scenes.scenario import Placement, Scenario
 from vh_drake.scenes.teaching import make_teaching_scene
 
 LIMIT_S = 180.0
+SETTLE_S = 0.7  # many ticks of the session: within one the order of two clicks is lost
 SCENARIO = Scenario(contact="point", object="sugar_box")
 
 
@@ -222,7 +223,9 @@ class Command:
         """Clicks, and waits until the session has told something new."""
         before = len(self.lines())
         browser.click(label)
-        return self.wait_for(lambda lines: len(lines) > before)[-1]
+        told = self.wait_for(lambda lines: len(lines) > before)[-1]
+        time.sleep(SETTLE_S)
+        return told
 
 
 @pytest.mark.slow
@@ -239,6 +242,7 @@ def test_a_browser_teaches_and_what_was_not_saved_is_kept(tmp_path):
             told = command.click(browser, "delete key point")
             assert "key point 2 of 2" in told
             browser.press("g", "KeyG")  # The fingers' slider; it stands before the buttons.
+            time.sleep(SETTLE_S)
             command.click(browser, "set key point")
             browser.click("stop")
             assert command.process.wait(timeout=LIMIT_S) == 0
