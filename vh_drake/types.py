@@ -119,6 +119,14 @@ class Candidates(Immutable):
     def __len__(self) -> int:
         return len(self.X_WH)
 
+    def taken(self, chosen: IntArray) -> "Candidates":
+        """Some of the candidates, by their indices (k,)."""
+        return Candidates(
+            self.X_WH[chosen],
+            tuple(self.motion[i] for i in chosen),
+            tuple(self.planner[i] for i in chosen),
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class GraspScores(Immutable):

@@ -1,3 +1,4 @@
+import dataclasses as dc
 import json
 
 import numpy as np
@@ -6,7 +7,7 @@ from learning_scenes import can_scene
 
 from vh_drake.catalog import REPRODUCTIONS, Options
 from vh_drake.errors import BadInput
-from vh_drake.experiments import figure_4_7, figure_4_8, metric_scenes, table_4_5
+from vh_drake.experiments import figure_4_7, figure_4_8, metric_scenes, table_4_5, ungraspable
 from vh_drake.experiments.evaluate_command import evaluate
 from vh_drake.experiments.metric_scenes import (
     TOUCH_COUNTS,
@@ -14,6 +15,7 @@ from vh_drake.experiments.metric_scenes import (
     evaluation_settings,
     judged_scenes,
 )
+from vh_drake.experiments.ungraspable import searched_poses
 from vh_drake.learning.evaluating import METRICS, Judged, judge_scene, judged
 from vh_drake.learning.shards import shard_bytes
 from vh_drake.learning.training_objects import VALIDATION_KINDS
@@ -44,6 +46,43 @@ def test_the_figure_has_a_row_an_object_and_a_row_a_number_of_touches(tmp_path):
     assert report.thesis["nominal_precision"] == 0.65
     assert (tmp_path / "figure-4.7.png").read_bytes().startswith(PNG)
     json.dumps(report.content(), allow_nan=False)
+
+
+def failing(name, index):
+    scene = drawn(name, index)
+    return dc.replace(scene, success=np.zeros(len(scene.success), bool))
+
+
+def test_poses_that_no_hand_can_grasp_bound_the_top1_success():
+    lost, hard = ([failing("slab", 6 * i + j) for j in range(6)] for i in (2, 3))
+    searched = [
+        {"pose": 2, "object": "slab", "graspable": False},
+        {"pose": 3, "object": "slab", "graspable": True},
+    ]
+    told = figure_4_7.possible([*SCENES, *lost, *hard], searched)
+    assert told["poses"] == 4
+    assert told["poses_without_any_grasp_on_truth"] == 1
+    assert told["top1_ceiling"] == 0.75
+    assert told["top1_success_below_ceiling"] == pytest.approx(2 / 3, abs=1e-4)
+
+
+def test_only_poses_without_success_are_searched_and_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(metric_scenes, "VALIDATION_KINDS", frozenset({"screw_box"}))
+    options = Options(scenes=2, workers=1, out=tmp_path)
+    scenes, settings = judged_scenes(options, candidates=10, perturbations=8)
+    assert searched_poses(scenes, options, settings) == []  # of a box that the hand spans
+    none = [dc.replace(s, success=np.zeros_like(s.success)) for s in scenes]
+    monkeypatch.setattr(ungraspable, "best_grasp", lambda *_: (0.9, 7))
+    (row,) = searched_poses(none, options, settings)
+    assert row == {
+        "pose": 0,
+        "object": "screw_box",
+        "searched": 7,
+        "best_rate_on_truth": 0.9,
+        "graspable": True,
+    }
+    monkeypatch.setattr(ungraspable, "best_grasp", None)  # The journal knows the rest.
+    assert searched_poses(none, options, settings) == [row]
 
 
 def test_the_same_scenes_give_the_same_bytes(tmp_path):

@@ -1,5 +1,6 @@
 """`reproduce figure-4.7`: precision of the learned metric and of the baselines, by object."""
 
+import dataclasses as dc
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.figure import Figure
 from vh_drake.atomic_files import write_bytes
 from vh_drake.catalog import Options
 from vh_drake.experiments.metric_scenes import judged_scenes
+from vh_drake.experiments.ungraspable import pose_of, searched_poses
 from vh_drake.learning.calibration import reliability
 from vh_drake.learning.evaluating import (
     METRICS,
@@ -20,6 +22,7 @@ from vh_drake.learning.evaluating import (
     pooled,
     precision_at,
     summarize,
+    top1,
 )
 from vh_drake.learning.pictures import draw_reliability, png
 from vh_drake.reports import Report, Row
@@ -48,7 +51,28 @@ def run(options: Options) -> Report:
         BadInput: an option is unusable.
     """
     scenes, settings = judged_scenes(options)
-    return report(scenes, settings, options)
+    searched = searched_poses(scenes, options, settings)
+    figures = report(scenes, settings, options)
+    summary = {**figures.summary, **possible(scenes, searched)}
+    return dc.replace(figures, summary=summary, rows=[*figures.rows, *searched])
+
+
+def possible(scenes: Sequence[Judged], searched: Sequence[Row]) -> Row:
+    """Top-1 success against what this hand can reach at most.
+
+    Args:
+        scenes: all of them.
+        searched: of `searched_poses`.
+    """
+    ungraspable = {row["pose"] for row in searched if not row["graspable"]}
+    others = [scene for scene in scenes if pose_of(scene) not in ungraspable]
+    best = top1(others, "learned")
+    return {
+        "top1_ceiling": round(len(others) / len(scenes), 4),
+        "top1_success_below_ceiling": None if best is None else round(best, 4),
+        "poses": len(by(scenes, pose_of)),
+        "poses_without_any_grasp_on_truth": len(ungraspable),
+    }
 
 
 def report(

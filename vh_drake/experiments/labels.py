@@ -178,7 +178,7 @@ def _scores(
     seen: SeenScene, candidates: Candidates, rating: LearnedRating, chosen: IntArray, seed: int
 ) -> dict[str, Array]:
     """Of the chosen candidates, by the names of SCORES and of the parts of physical sense."""
-    hand, own = hand_model(""), _subset(candidates, chosen)
+    hand, own = hand_model(""), candidates.taken(chosen)
     sense, hints = rating.sense, rating.hints
     return {
         "learned": rating.scores().score[chosen],
@@ -209,14 +209,6 @@ def _places(seen: SeenScene, candidates: Candidates) -> dict[str, Array]:
         lie = lie_in_hand(X_WH, motion, surface, seen.estimate, hand, place)
         table[:, own] = 1e3 * np.stack([lie.middle, lie.excess, lie.beside])
     return dict(zip(("along_mm", "excess_mm", "beside_mm"), table, strict=True))
-
-
-def _subset(candidates: Candidates, chosen: IntArray) -> Candidates:
-    return Candidates(
-        candidates.X_WH[chosen],
-        tuple(candidates.motion[i] for i in chosen),
-        tuple(candidates.planner[i] for i in chosen),
-    )
 
 
 @lru_cache(maxsize=2)

@@ -1,6 +1,7 @@
 """One labelled scene: object, pose, look, touches, estimate, candidates, labels."""
 
 import dataclasses as dc
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -70,10 +71,9 @@ def labelled_scene(
         settings: of the generator.
     """
     hand = hand_model(settings.hand)
-    rounds = max(len(settings.touch_counts), 1)
+    rounds = _rounds(settings)
     touches = settings.touch_counts[index % rounds] if settings.touch_counts else None
-    for attempt in range(_TRIES):
-        rng = np.random.default_rng([seed, index // rounds, attempt])
+    for rng in _draws(seed, index, settings):
         try:
             seen = seen_scene(mesh, settings, rng, touches=touches)
             candidates = candidates_of(seen, hand, settings.candidates, int(rng.integers(2**31)))
@@ -82,6 +82,38 @@ def labelled_scene(
         if len(candidates):
             return _labelled(seen, candidates, hand, name, index, seed, settings)
     return _empty(name, index, seed)
+
+
+def _rounds(settings: GeneratorSettings) -> int:
+    """How many scenes share one pose and one look."""
+    return max(len(settings.touch_counts), 1)
+
+
+def _draws(seed: int, index: int, settings: GeneratorSettings) -> Iterator[np.random.Generator]:
+    """Chance anew for each try of a scene; alike for the scenes of one round."""
+    for attempt in range(_TRIES):
+        yield np.random.default_rng([seed, index // _rounds(settings), attempt])
+
+
+def true_object(mesh: TriMesh, scene: LabelledScene, settings: GeneratorSettings) -> TrueObject:
+    """The object as it lay in a scene, which keeps only what was seen of it.
+
+    Args:
+        mesh: watertight, in its own frame.
+        scene: drawn with it.
+        settings: with which it was drawn.
+
+    Raises:
+        BadInput: no draw shows what the scene shows, so that mesh or settings are others.
+    """
+    for rng in _draws(scene.seed, scene.scene, settings):
+        try:
+            truth, _, view = _seen(mesh, settings, rng)
+        except NothingSeen:
+            continue
+        if np.array_equal(view.p_WO, scene.view.p_WO):
+            return truth
+    raise BadInput(f"scene {scene.scene} shows another object than this mesh of {scene.object}")
 
 
 @cache
@@ -99,15 +131,22 @@ def seen_scene(
         NothingSeen: the camera shows too little of the object.
         BadInput: the estimate encloses nothing.
     """
-    truth = place(vary(mesh, settings.scene, rng), settings.scene, rng)
-    weights = np.array(settings.touch_weights)
-    drawn = int(rng.choice(len(weights), p=weights / weights.sum()))
-    view = look(truth, settings.scene, rng)
+    truth, drawn, view = _seen(mesh, settings, rng)
     field = object_field(Surface(truth.mesh.vertices, truth.mesh.faces), truth.table)
     wanted = drawn if touches is None else touches
     contacts = explore(view, field, wanted, rng, settings.touch)
     surface = estimate_surface(view, contacts)
     return SeenScene(truth, field, view, contacts, surface, object_field(surface, view.table))
+
+
+def _seen(
+    mesh: TriMesh, settings: GeneratorSettings, rng: np.random.Generator
+) -> tuple[TrueObject, int, ObjectView]:
+    """The placed object, how many touches were drawn, and what the camera shows."""
+    truth = place(vary(mesh, settings.scene, rng), settings.scene, rng)
+    weights = np.array(settings.touch_weights)
+    drawn = int(rng.choice(len(weights), p=weights / weights.sum()))
+    return truth, drawn, look(truth, settings.scene, rng)
 
 
 def candidates_of(seen: SeenScene, hand: HandModel, count: int, seed: int) -> Candidates:
