@@ -3,16 +3,17 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import Context, DiscreteValues
 
 from vh_drake.grasping.base_joints import base_pose, base_position
 from vh_drake.hand.model import HandModel
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Array
 
 PERIOD_S = 0.01
 
 
-class BaseDrive(LeafSystem):
+class BaseDrive(CollectableSystem):
     """Hand poses in, set points of the carriage's joints out.
 
     .. pydrake_system::

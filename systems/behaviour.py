@@ -5,7 +5,7 @@ from collections import Counter
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, State
+from pydrake.systems.framework import BasicVector, Context, InputPort, State
 
 from vh_drake.control.arm_collisions import ArmCollisions
 from vh_drake.control.kinematics import ArmKinematics
@@ -17,6 +17,7 @@ from vh_drake.grasping.story import GraspRecord, Story, TouchRecord
 from vh_drake.hand.clearance import obstacles
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.systems.grasp_scorer import ranking
 from vh_drake.types import (
     Array,
@@ -78,7 +79,7 @@ class _Mind(Immutable):
         return dc.replace(self, program=MotionProgram(self.program.id + 1, legs))
 
 
-class Behaviour(LeafSystem):
+class Behaviour(CollectableSystem):
     """The sequence of section 4.2, S1 to S6, from what the sensors tell.
 
     .. pydrake_system::

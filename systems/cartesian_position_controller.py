@@ -2,7 +2,7 @@
 
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.control.cartesian_position import (
     GAIN_PER_S,
@@ -10,9 +10,10 @@ from vh_drake.control.cartesian_position import (
     MAX_LINEAR_M_S,
     cartesian_position_velocity,
 )
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class CartesianPositionController(LeafSystem):
+class CartesianPositionController(CollectableSystem):
     """Bounded velocity that moves the hand to its target pose.
 
     .. pydrake_system::

@@ -1,13 +1,14 @@
 """Cartesian velocity control of the hand as a LeafSystem."""
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.control.cartesian_velocity import SINGULAR_THRESHOLD, cartesian_velocity_to_joints
 from vh_drake.control.joint_limits import limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class CartesianVelocityController(LeafSystem):
+class CartesianVelocityController(CollectableSystem):
     """Joint velocities that give the hand a spatial velocity, by the pseudo-inverse Jacobian.
 
     .. pydrake_system::

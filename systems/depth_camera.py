@@ -3,17 +3,18 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 from pydrake.systems.sensors import ImageDepth32F
 
 from vh_drake.errors import BadInput
 from vh_drake.sensing.depth_noise import DepthNoiseSettings, add_depth_noise
 from vh_drake.sensing.intrinsics import Intrinsics
 from vh_drake.sensing.point_cloud import cloud_from_depth
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Cloud
 
 
-class DepthCamera(LeafSystem):
+class DepthCamera(CollectableSystem):
     """Adds the noise of a structured-light camera to a depth image, and makes a cloud of it.
 
     .. pydrake_system::

@@ -3,12 +3,13 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Array
 
 
-class Fingertip(LeafSystem):
+class Fingertip(CollectableSystem):
     """A frame T fixed in the hand: its pose and velocity, and the hand's velocity for it.
 
     .. pydrake_system::

@@ -3,15 +3,16 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from vh_drake.sensing.contact_point import Skin
 from vh_drake.sensing.ft_contact import FtContactModel, FtContactSettings, FtSample, FtState
 from vh_drake.sensing.hand_load import HandInertia
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import ContactSet
 
 
-class FtContactEstimator(LeafSystem):
+class FtContactEstimator(CollectableSystem):
     """Tells whether, where and how the hand touches something (thesis, eq. 4.8).
 
     .. pydrake_system::

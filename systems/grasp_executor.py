@@ -5,11 +5,12 @@ import dataclasses as dc
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, LeafSystem, State
+from pydrake.systems.framework import BasicVector, Context, State
 
 from vh_drake.grasping.closing_pose import closing_offset
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress, interpolate, smooth
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Array, Immutable, TouchPlan
 
 PERIOD_S = 0.01
@@ -71,7 +72,7 @@ def _with_leg(run: _Run, leg: Leg) -> _Run:
     return dc.replace(run, program=dc.replace(run.program, legs=legs))
 
 
-class GraspExecutor(LeafSystem):
+class GraspExecutor(CollectableSystem):
     """Moves hand and fingers through the legs of a program, and heeds contacts.
 
     .. pydrake_system::

@@ -1,11 +1,12 @@
 """Torques that hold the arm against gravity, as a LeafSystem."""
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class GravityCompensation(LeafSystem):
+class GravityCompensation(CollectableSystem):
     """Joint torques under which arm, hand and payload rest.
 
     .. pydrake_system::

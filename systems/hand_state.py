@@ -2,12 +2,13 @@
 
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class HandState(LeafSystem):
+class HandState(CollectableSystem):
     """Forward kinematics of the arm.
 
     .. pydrake_system::

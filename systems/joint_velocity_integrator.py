@@ -1,15 +1,16 @@
 """From commanded joint velocities to the desired state of the arm's joint servos."""
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import Context, DiscreteValues
 
 from vh_drake.control.joint_limits import PERIOD_S, limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.errors import BadInput
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Array
 
 
-class JointVelocityIntegrator(LeafSystem):
+class JointVelocityIntegrator(CollectableSystem):
     """Sums joint velocities up to commanded positions, within all limits of the joints.
 
     .. pydrake_system::

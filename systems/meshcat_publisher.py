@@ -6,9 +6,10 @@ import dataclasses as dc
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.geometry import Meshcat
-from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
+from pydrake.systems.framework import Context, EventStatus, State
 
 from vh_drake.geometry.glyphs import ColorMesh
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Immutable
 
 PERIOD_S = 0.06
@@ -40,7 +41,7 @@ def same(a: object, b: object) -> bool:
     return a == b
 
 
-class MeshcatPublisher(LeafSystem):
+class MeshcatPublisher(CollectableSystem):
     """Draws what `picture` gives under a path of its own, `<path>/0`, `<path>/1`, ...
 
     Meshcat can't record a changing mesh, so that each picture stays where it is and is made

@@ -1,13 +1,14 @@
 """Null-space control of the arm (eq. 4.2 to 4.7) as a LeafSystem."""
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.control.joint_limits import limited_joint_velocity
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.null_space import GAIN, add_null_space_velocity
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class NullspaceController(LeafSystem):
+class NullspaceController(CollectableSystem):
     """Adds to joint velocities what moves joints off their limits and leaves the hand alone.
 
     .. pydrake_system::

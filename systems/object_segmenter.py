@@ -1,14 +1,15 @@
 """Segmentation of the object on the table as a LeafSystem."""
 
 from pydrake.common.value import Value
-from pydrake.systems.framework import Context, LeafSystem, ValueProducer
+from pydrake.systems.framework import Context, ValueProducer
 
 from vh_drake.errors import NothingSeen
 from vh_drake.sensing.segmentation import SegmentationSettings, segment
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Cloud, ObjectView
 
 
-class ObjectSegmenter(LeafSystem):
+class ObjectSegmenter(CollectableSystem):
     """Cuts the one object on the table out of a cloud.
 
     .. pydrake_system::
@@ -39,21 +40,27 @@ class ObjectSegmenter(LeafSystem):
         self._cloud = self.DeclareAbstractInputPort("cloud", Value[object](Cloud()))
         self._result = self.DeclareCacheEntry(
             description="object view and status",
-            value_producer=ValueProducer(lambda: Value[object](None), self._calc_result),
+            value_producer=ValueProducer(
+                lambda: Value[object](None), self.weakly(self._calc_result)
+            ),
             prerequisites_of_calc={self._cloud.ticket()},
-        )
+        ).cache_index()  # The entry itself would keep this system for ever.
         self.DeclareAbstractOutputPort(
             "object_view",
             lambda: Value[object](ObjectView()),
-            lambda context, output: output.set_value(self._result.Eval(context)[0]),
+            lambda context, output: output.set_value(self._evaluated(context)[0]),
             prerequisites_of_calc={self._cloud.ticket()},
         )
         self.DeclareAbstractOutputPort(
             "status",
             lambda: Value[str]("ok"),
-            lambda context, output: output.set_value(self._result.Eval(context)[1]),
+            lambda context, output: output.set_value(self._evaluated(context)[1]),
             prerequisites_of_calc={self._cloud.ticket()},
         )
+
+    def _evaluated(self, context: Context) -> tuple[ObjectView, str]:
+        result: tuple[ObjectView, str] = self.get_cache_entry(self._result).Eval(context)
+        return result
 
     def _calc_result(self, context: Context, output: Value) -> None:
         try:

@@ -10,10 +10,10 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     EventStatus,
-    LeafSystem,
     State,
 )
 
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Immutable
 
 PERIOD_S = 0.02
@@ -26,7 +26,7 @@ class _Kept(Immutable):
     value: object
 
 
-class OnRequest(LeafSystem):
+class OnRequest(CollectableSystem):
     """Computes its outputs anew when the number on its port `request` changes.
 
     .. pydrake_system::

@@ -3,15 +3,16 @@
 from pydrake.common.value import Value
 from pydrake.geometry import FrameId, QueryObject
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 from pydrake.systems.sensors import ImageDepth32F
 
 from vh_drake.sensing.intrinsics import Intrinsics
 from vh_drake.sensing.ray_caster import cast_depth
 from vh_drake.sensing.scene_triangles import perceived_triangles
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class RaycastDepth(LeafSystem):
+class RaycastDepth(CollectableSystem):
     """Does what Drake's RgbdSensor does for depth, without a renderer.
 
     .. pydrake_system::

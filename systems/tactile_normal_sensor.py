@@ -3,12 +3,13 @@
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import BasicVector, Context, LeafSystem, State
+from pydrake.systems.framework import BasicVector, Context, State
 
 from vh_drake.sensing.tactile import N_SPAD, PERIOD_S, TactileSensor, TactileSettings, TactileState
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class TactileNormalSensor(LeafSystem):
+class TactileNormalSensor(CollectableSystem):
     """Feels contact by pressure, and how the surface stands by orientation.
 
     .. pydrake_system::

@@ -3,10 +3,11 @@
 from typing import Literal
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from vh_drake.errors import UnknownName
 from vh_drake.hand.model import HandModel
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Array
 
 Command = Literal["position", "force"]
@@ -19,7 +20,7 @@ _STEP_M_N = 2e-5
 _LEAD_M = 0.002  # Of the set point before the motor, so that it never winds up.
 
 
-class TendonHand(LeafSystem):
+class TendonHand(CollectableSystem):
     """Drives an underactuated hand, and tells its joints from its motors.
 
     .. pydrake_system::

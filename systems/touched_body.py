@@ -5,12 +5,13 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import RigidBody
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Array
 
 
-class TouchedBody(LeafSystem):
+class TouchedBody(CollectableSystem):
     """Pose of a body, and what touches it added up.
 
     .. pydrake_system::

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
+from pydrake.systems.framework import BasicVector, Context, EventStatus, State
 
 from vh_drake.exploration.follow import FollowSettings, FollowStep, follow
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import Immutable, TouchPlan
 
 
@@ -26,7 +27,7 @@ def _same(plan: TouchPlan, other: TouchPlan) -> bool:
     return plan is other or (curves and np.array_equal(plan.n_WT, other.n_WT))
 
 
-class TrajectoryFollower(LeafSystem):
+class TrajectoryFollower(CollectableSystem):
     """Follows a touch plan with constant speed (eq. 3.2 to 3.4, Algorithm 2).
 
     .. pydrake_system::

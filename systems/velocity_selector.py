@@ -1,9 +1,11 @@
 """Hands the arm to one of two drivers."""
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
+
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class VelocitySelector(LeafSystem):
+class VelocitySelector(CollectableSystem):
     """Passes on one of two spatial velocities.
 
     .. pydrake_system::

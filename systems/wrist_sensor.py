@@ -6,14 +6,15 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.errors import BadInput
 from vh_drake.sensing.hand_load import cross
 from vh_drake.sensing.wrist_noise import WristNoiseSettings, wrist_noise
+from vh_drake.systems.collectable import CollectableSystem
 
 
-class WristSensor(LeafSystem):
+class WristSensor(CollectableSystem):
     """Measures the load that the hand puts on the arm through the joint between them.
 
     .. pydrake_system::

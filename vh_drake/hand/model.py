@@ -170,6 +170,7 @@ def _parse(
         plant.Finalize()
     except Exception as error:  # The parser raises many types; all mean an unusable file.
         raise BadInput(f"can't read the hand model {description.model}: {error}") from error
+    builder.Build()  # Drake never frees what is added to a builder that builds nothing.
     return plant, scene_graph.model_inspector(), plant.CreateDefaultContext()
 
 

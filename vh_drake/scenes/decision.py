@@ -20,6 +20,7 @@ from vh_drake.sensing.hand_load import HandInertia
 from vh_drake.sensing.segmentation import SegmentationSettings
 from vh_drake.systems.behaviour import Behaviour, BehaviourSettings
 from vh_drake.systems.cartesian_position_controller import CartesianPositionController
+from vh_drake.systems.collectable import Collectable
 from vh_drake.systems.fingertip import Fingertip
 from vh_drake.systems.ft_contact_estimator import FtContactEstimator
 from vh_drake.systems.gpis_estimator import GpisEstimator
@@ -34,7 +35,7 @@ from vh_drake.systems.velocity_selector import VelocitySelector
 TOUCH_SPEED_M_S = 0.03
 
 
-class Decision(Diagram):
+class Decision(Diagram, metaclass=Collectable):
     """From sensors to commands.
 
     | port             | direction | type           | unit       | meaning                         |

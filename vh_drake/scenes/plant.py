@@ -21,7 +21,14 @@ from pydrake.multibody.plant import (
     MultibodyPlant,
     MultibodyPlantConfig,
 )
-from pydrake.multibody.tree import Joint, ModelInstanceIndex, PdControllerGains, RigidBody
+from pydrake.multibody.tree import (
+    BodyIndex,
+    Joint,
+    JointIndex,
+    ModelInstanceIndex,
+    PdControllerGains,
+    RigidBody,
+)
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
@@ -53,16 +60,29 @@ TABLE_THICKNESS_M = 0.05
 
 @dc.dataclass(frozen=True)
 class World:
-    """The plant and the handles that the rest of the diagram needs."""
+    """The plant and what finds in it the parts that the rest of the diagram needs.
+
+    Parts by their index: a handle would keep the plant, which keeps this, for ever.
+    """
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     robot: ModelInstanceIndex
     hand: ModelInstanceIndex
-    wrist: Joint  # between arm and hand
-    object: RigidBody
+    wrist_index: JointIndex
+    object_index: BodyIndex
     description: HandDescription
     left_hand: ModelInstanceIndex | None = None  # the mirrored hand, where there is one
+
+    @property
+    def wrist(self) -> Joint:
+        """Between arm and hand."""
+        return self.plant.get_joint(self.wrist_index)
+
+    @property
+    def object(self) -> RigidBody:
+        """What is to be grasped."""
+        return self.plant.get_body(self.object_index)
 
 
 def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -> World:
@@ -85,7 +105,7 @@ def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -
     if left_hand is not None:
         _filter_hand_against_arm(plant, scene_graph, robot, left_hand)
         _hold_open(builder, plant, left_hand)
-    return World(plant, scene_graph, robot, hand, wrist, body, description, left_hand)
+    return World(plant, scene_graph, robot, hand, wrist, body.index(), description, left_hand)
 
 
 def default_hand() -> Path:
@@ -136,12 +156,12 @@ def _add_robot(plant: MultibodyPlant, *, left_hand: bool) -> ModelInstanceIndex:
 
 def _add_hand(
     plant: MultibodyPlant, description: HandDescription
-) -> tuple[ModelInstanceIndex, Joint]:
+) -> tuple[ModelInstanceIndex, JointIndex]:
     (hand,) = Parser(plant, "right").AddModels(description.model)
     wrist = plant.WeldFrames(
         plant.GetFrameByName(HAND_LINK), plant.GetFrameByName(description.base, hand)
     )
-    return hand, wrist
+    return hand, wrist.index()
 
 
 def _add_left_hand(plant: MultibodyPlant, description: HandDescription) -> ModelInstanceIndex:

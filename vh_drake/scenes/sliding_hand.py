@@ -21,7 +21,6 @@ from pydrake.systems.framework import (
     Diagram,
     DiagramBuilder,
     DiscreteValues,
-    LeafSystem,
 )
 from pydrake.systems.primitives import ConstantVectorSource
 
@@ -33,6 +32,7 @@ from vh_drake.scenes.decision import touching_skin
 from vh_drake.scenes.plant import add_table
 from vh_drake.scenes.scenario import Table
 from vh_drake.scenes.wrist import hand_inertia
+from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.systems.ft_contact_estimator import FtContactEstimator
 from vh_drake.systems.wrist_sensor import WristSensor
 
@@ -42,7 +42,7 @@ _GAINS = PdControllerGains(p=2e4, d=1e3)
 _CARRIAGE = SpatialInertia.SolidSphereWithMass(5.0, 0.05)
 
 
-class SlideDrive(LeafSystem):
+class SlideDrive(CollectableSystem):
     """Moves the slide at a speed until something is touched, and tells pose and velocity.
 
     .. pydrake_system::

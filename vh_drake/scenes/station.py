@@ -13,6 +13,7 @@ from vh_drake.scenes.plant import World, add_world
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.scenes.tendon_drive import add_tendon_drive
 from vh_drake.systems.cartesian_velocity_controller import CartesianVelocityController
+from vh_drake.systems.collectable import Collectable
 from vh_drake.systems.gravity_compensation import GravityCompensation
 from vh_drake.systems.hand_state import HandState
 from vh_drake.systems.joint_velocity_integrator import JointVelocityIntegrator
@@ -34,7 +35,7 @@ def camera_pose_in_neck() -> RigidTransform:
     return RigidTransform(forward_left_up @ look @ optical, P_NECK_CAMERA)
 
 
-class Station(Diagram):
+class Station(Diagram, metaclass=Collectable):
     """Plant, sensors and low-level control; the ports exist on the real robot.
 
     | port             | direction | type           | unit         | meaning                       |
