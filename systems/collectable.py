@@ -9,7 +9,7 @@ from pydrake.systems.framework import LeafSystem, OutputPort
 _DrakeType: Any = type(LeafSystem)
 
 
-class Collectable(_DrakeType):  # type: ignore[misc]  # known at run time alone
+class Collectable(_DrakeType):
     """Makes classes that keep their attributes where Drake's class keeps them.
 
     Under Python 3.11 any other subclass refers to the dictionary of its attributes twice. The
@@ -52,11 +52,18 @@ class CollectableSystem(LeafSystem, metaclass=Collectable):
 
     def DeclareVectorOutputPort(self, *args: Any, **options: Any) -> OutputPort:
         """As Drake's."""
-        return super().DeclareVectorOutputPort(*self._weak(args), **options)
+        args, options = self._weak(args, options)
+        return super().DeclareVectorOutputPort(*args, **options)
 
     def DeclareAbstractOutputPort(self, *args: Any, **options: Any) -> OutputPort:
         """As Drake's."""
-        return super().DeclareAbstractOutputPort(*self._weak(args), **options)
+        args, options = self._weak(args, options)
+        return super().DeclareAbstractOutputPort(*args, **options)
 
-    def _weak(self, args: tuple[Any, ...]) -> list[Any]:
-        return [self.weakly(arg) if callable(arg) else arg for arg in args]
+    def _weak(
+        self, args: tuple[Any, ...], options: dict[str, Any]
+    ) -> tuple[tuple[Any, ...], dict[str, Any]]:
+        def weak(x: Any) -> Any:
+            return self.weakly(x) if callable(x) else x
+
+        return tuple(map(weak, args)), {name: weak(x) for name, x in options.items()}

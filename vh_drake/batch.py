@@ -20,7 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from vh_drake.errors import BadInput
 from vh_drake.journal import Journal
 
-_TASKS_PER_PROCESS = 200  # Diagrams with Python systems are freed late
+_TASKS_PER_PROCESS = 200  # Whatever tasks leave behind ends with their process
 _QUEUED_PER_WORKER = 3
 
 

@@ -80,7 +80,7 @@ BENCHES: Mapping[str, Entry] = {
     ),
     "soak": Entry(
         "vh_drake.benches.soak",
-        "Whole trials in a row in one process: crashes, finite numbers, memory, repetition.",
+        "Whole trials in a row: crashes, finite numbers, growth of memory, repetition.",
         ("runs",),
     ),
     "pipeline": Entry(

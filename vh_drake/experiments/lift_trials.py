@@ -1,6 +1,7 @@
 """Whole trials as tasks of a batch: settings that JSON holds in, a row of numbers out."""
 
 import dataclasses as dc
+import gc
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,6 @@ from vh_drake.scenes.scenario import Scenario, check_scenario
 
 CLASSES = ("core", "hard")  # of objects that the hand is asked to lift; "no" is left out
 _POINT_STEP_S = 0.004
-_TRIALS_PER_PROCESS = 8
 
 
 @dc.dataclass(frozen=True)
@@ -91,7 +91,6 @@ def run_trials(
         settings=settings,
         journal=options.out / "journal.jsonl",
         workers=options.workers,
-        tasks_per_process=_TRIALS_PER_PROCESS,
         title=title,
     )
 
@@ -109,6 +108,8 @@ def lift_row(task: Mapping[str, Any]) -> Row:
         result = run_trial(scenario).result
     except (VhDrakeError, RuntimeError) as error:  # Drake's are RuntimeErrors.
         return {**row, **_NOTHING, "failure": str(error)}
+    finally:
+        gc.collect()  # The diagram is a ring of references, and its size is unknown to Python.
     return {**row, **_outcome(result)}
 
 
