@@ -399,7 +399,8 @@ class Behaviour(CollectableSystem):
             return dc.replace(mind, story=dc.replace(story, phase="done", finished=True))
         grasp = story.grasps[-1]
         q = self._inputs["joint_state"].Eval(context)[:8]
-        legs = release_legs(self._hand, self._kinematics, q)
+        table, free_of = mind.view.table, self._collisions
+        legs = release_legs(self._hand, self._kinematics, q, table, collisions=free_of)
         failed = (*mind.failed, (grasp.X_WH, grasp.motion))
         mind = dc.replace(mind, story=story, failed=failed, unloaded=0)
         return mind.moving(legs).entering("let go")

@@ -52,6 +52,10 @@ class Plane(Immutable):
         height: Array = p_W @ self.normal - self.offset
         return height
 
+    def z_below(self, p_W: Array) -> float:
+        """World height of the plane under a point (3,), or over it [m]."""
+        return float(p_W[2] - self.height(p_W) / self.normal[2])
+
 
 @dataclass(frozen=True, eq=False)
 class ObjectView(Immutable):

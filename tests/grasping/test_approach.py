@@ -10,6 +10,7 @@ from vh_drake.grasping.approach import (
     approach_poses,
     closing_legs,
     find_grasp,
+    release_legs,
 )
 from vh_drake.grasping.phases import hand_is_open
 from vh_drake.grasping.planner_settings import PlannerSettings
@@ -162,3 +163,36 @@ def test_a_way_that_collides_is_refused_and_the_next_one_taken(side_grasps):
     assert (
         find_grasp(side_grasps, order, can_scene(), hand, arm, arm.home, collisions=never) is None
     )
+
+
+class LowWaysCollide:
+    """Takes every way that starts with the hand lower than a height over the floor for barred."""
+
+    def __init__(self, lowest_m):
+        self.lowest_m, self.asked = lowest_m, []
+
+    def first(self, q, table_height_m):
+        self.asked.append(table_height_m)
+        return "barred" if right_arm().pose(q[0])[2, 3] < self.lowest_m else None
+
+
+def released(collisions):
+    arm, table = right_arm(), can_view().table
+    q = arm.home + np.array([0.0, 0.2, 0, 0, 0, 0, 0, 0])
+    return arm.pose(q), release_legs(right_hand(), arm, q, table, collisions=collisions)
+
+
+def test_a_hand_that_lets_go_opens_rises_and_comes_home():
+    X_WH, (opened, raised, home) = released(None)
+    np.testing.assert_array_equal(opened.motors, right_hand().motor_fractions(0.0, 0.0))
+    np.testing.assert_allclose(opened.X_WH, X_WH)
+    np.testing.assert_allclose(raised.X_WH[:3, 3] - X_WH[:3, 3], [0, 0, 0.05], atol=1e-9)
+    np.testing.assert_allclose(home.X_WH, right_arm().pose(right_arm().home))
+
+
+def test_it_rises_as_far_as_the_way_back_is_free():
+    X_WH, _ = released(None)
+    collisions = LowWaysCollide(X_WH[2, 3] + 0.12)
+    legs = released(collisions)[1]
+    assert legs[1].X_WH[2, 3] - X_WH[2, 3] == pytest.approx(0.15)
+    np.testing.assert_allclose(collisions.asked, can_view().table.offset, atol=1e-9)

@@ -11,9 +11,10 @@ from vh_drake.control.reach import rollout
 from vh_drake.hand.clearance import Obstacles, link_clearance
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import SLOW_M_S, Leg, path, travel_time
-from vh_drake.types import Array, Candidates
+from vh_drake.types import Array, Candidates, Plane
 
 CLOSINGS = ("closed_loop", "open_loop")
+_RISES_M = (0.05, 0.1, 0.15, 0.2)  # of a hand that lets go, before it travels back
 
 
 @dc.dataclass(frozen=True)
@@ -93,22 +94,51 @@ def find_grasp(
 
 
 def release_legs(
-    hand: HandModel, kinematics: ArmKinematics, q: Array, *, rise_m: float = 0.05
+    hand: HandModel,
+    kinematics: ArmKinematics,
+    q: Array,
+    table: Plane,
+    *,
+    collisions: ArmCollisions | None = None,
 ) -> tuple[Leg, ...]:
     """Legs that let go of what failed, and clear the camera's view.
+
+    The hand rises as little as keeps the way back free. Where no way is, it takes the last of
+    the heights that were tried: it can't stay.
 
     Args:
         hand: that opens.
         kinematics: of the arm.
         q: its joint positions now (8,) [rad].
-        rise_m: over where the hand is, before it travels.
+        table: below the hand.
+        collisions: of arm and hand with robot and table, which the way back must be free of.
     """
     X_WH, home = kinematics.pose(q), kinematics.pose(kinematics.home)
-    raised = X_WH.copy()
-    raised[2, 3] += rise_m
+    for rise_m in _RISES_M:
+        raised = X_WH.copy()
+        raised[:3, 3] += rise_m * np.asarray(table.normal)
+        if _free_from(raised, home, kinematics, q, table, collisions):
+            break
     open_hand = hand.motor_fractions(0.0, 0.0)
     opened = Leg("open the hand", X_WH, open_hand, 0.8)
     return (opened, *path(X_WH, [raised, home], ["raise the hand", "back"], open_hand))
+
+
+def _free_from(
+    raised: Array,
+    home: Array,
+    kinematics: ArmKinematics,
+    q: Array,
+    table: Plane,
+    collisions: ArmCollisions | None,
+) -> bool:
+    """Whether the arm comes up and back; what it touches before it is up does not count."""
+    up = rollout(kinematics, q, [raised])
+    if not up.reached:
+        return False
+    back = rollout(kinematics, up.q[-1], [home])
+    height = table.z_below(raised[:3, 3])
+    return back.reached and not (collisions and collisions.first(back.q, height))
 
 
 def approach_poses(

@@ -26,7 +26,7 @@ class Obstacles:
     @property
     def table_height_m(self) -> float:
         """Of the table's top below the object, over the floor."""
-        return float(self.center[2] - self.table.height(self.center) / self.table.normal[2])
+        return self.table.z_below(self.center)
 
 
 def obstacles(surface: Surface, table: Plane) -> Obstacles:
