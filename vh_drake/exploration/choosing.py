@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from vh_drake.errors import UnknownName
+from vh_drake.exploration.bulges import bulge
 from vh_drake.exploration.detour import way_around
 from vh_drake.exploration.explorer import ExplorerSettings, Known
 from vh_drake.exploration.strategies import GpVariance, Situation
@@ -112,17 +113,22 @@ def departure_direction(known: Known, rule: str) -> Array:
 def _candidates(
     known: Known, s: ExplorerSettings, seed: int, *, anywhere: bool
 ) -> tuple[Situation, bool]:
-    """The candidates, and whether they are fresh; the radius grows until some are."""
+    """The candidates, and whether they are fresh.
+
+    The radius grows until some are fresh and do not bulge.
+    """
     radius = np.inf if anywhere else s.candidate_radius_m
     while True:
         sheet = _sheet(known, s, radius)
         allowed = _not_set_aside(sheet.vertices, known, s)
         allowed = _elsewhere(allowed, sheet.vertices, known, s) if anywhere else allowed
         fresh = allowed & (cKDTree(known.contacts.p_WC).query(sheet.vertices)[0] >= s.fresh_m)
-        if fresh.any() or radius == np.inf:
+        high = bulge(sheet.vertices, known.contacts, within_m=s.bulge_within_m)
+        likely = fresh & (high <= s.bulge_m)
+        if likely.any() or radius == np.inf:
             break
         radius = 2.0 * radius if 2.0 * radius < _WHOLE_M else np.inf
-    chosen = fresh if fresh.any() else allowed if allowed.any() else ~allowed
+    chosen = next((some for some in (likely, fresh, allowed) if some.any()), ~allowed)
     situation = Situation(
         p=sheet.vertices[chosen],
         n=sheet.normals[chosen],

@@ -26,6 +26,10 @@ class ExplorerSettings:
     # Candidates nearer to a contact are left out while there are others; where all within the
     # candidate radius are so near, the radius grows.
     fresh_m: float = 0.02
+    # So are those that lie farther outside the tangent plane of a contact within `bulge_within_m`,
+    # where the estimate hangs over what was touched.
+    bulge_m: float = 0.01
+    bulge_within_m: float = 0.04
     clearance_m: float = 0.003  # of the tip's centre over the estimate, on a planned curve
     barren_m: float = 0.01  # from an old contact, within which a new one teaches little
     set_aside_m: float = 0.015  # around a target that led to such a barren touch
