@@ -3,9 +3,10 @@
 Every strategy is tried with the same margins of the estimate and both departure rules, times as
 many values of its own parameters where it has any, on every third object of the train split. The
 winner has the least geometric mean, over the objects, of the distance to the goal, among those
-settings with which at least 95 % of the runs reach it, or, where there are none, among those with
-which the most do. A run that does not reach the goal is charged in proportion to what it left
-unexplored.
+settings with which at least 95 % of the runs reach it, or, where there are none, nearly as many as
+with the best: so few runs tell a share to five points, and one unlucky run shall not decide for a
+setting that costs a third more. A run that does not reach the goal is charged in proportion to what
+it left unexplored.
 """
 
 import dataclasses as dc
@@ -37,6 +38,7 @@ from vh_drake.reports import Report, Row
 RUNS = 2
 MARGINS_M = (0.01, 0.03, 0.05)
 REACHED_SHARE = 0.95
+SHARE_ERROR = 0.05  # of so few runs
 _EVERY = 3
 _LEAST_SHARE = 0.05
 
@@ -128,7 +130,7 @@ def winners(rows: Sequence[Row]) -> Row:
     summary: Row = {}
     for name in OWN:
         own = [row for row in rows if row["strategy"] == name]
-        enough = min(REACHED_SHARE, max(row["reached_share"] for row in own))
+        enough = min(REACHED_SHARE, max(row["reached_share"] for row in own) - SHARE_ERROR)
         good = [row for row in own if row["reached_share"] >= enough]
         best = min(good, key=lambda row: row["cost_cm"])
         summary |= {f"{name}_{key}": best[key] for key in ("cost_cm", "reached_share", "setting")}

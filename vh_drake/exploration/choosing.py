@@ -20,6 +20,7 @@ DEPARTURES = ["contact_normal", "inverse_velocity"]
 _BATCH = 16  # curves that are checked at once
 _AROUND_M = 0.03  # how far a way around keeps off all that is known
 _LEG_M = 0.05  # of the straight end of a way around that has to be free
+_MOST_MARGIN_M = 0.05  # to which the margin grows
 _WHOLE_M = 0.5  # a candidate radius from which on the whole surface is taken
 _CHECKED = np.linspace(0.1, 0.9, 9)[:, None]  # places of a curve that have to be free
 _BERNSTEIN = np.hstack(
@@ -113,22 +114,8 @@ def departure_direction(known: Known, rule: str) -> Array:
 def _candidates(
     known: Known, s: ExplorerSettings, seed: int, *, anywhere: bool
 ) -> tuple[Situation, bool]:
-    """The candidates, and whether they are fresh.
-
-    The radius grows until some are fresh and do not bulge.
-    """
-    radius = np.inf if anywhere else s.candidate_radius_m
-    while True:
-        sheet = _sheet(known, s, radius)
-        allowed = _not_set_aside(sheet.vertices, known, s)
-        allowed = _elsewhere(allowed, sheet.vertices, known, s) if anywhere else allowed
-        fresh = allowed & (cKDTree(known.contacts.p_WC).query(sheet.vertices)[0] >= s.fresh_m)
-        high = bulge(sheet.vertices, known.contacts, within_m=s.bulge_within_m)
-        likely = fresh & (high <= s.bulge_m)
-        if likely.any() or radius == np.inf:
-            break
-        radius = 2.0 * radius if 2.0 * radius < _WHOLE_M else np.inf
-    chosen = next((some for some in (likely, fresh, allowed) if some.any()), ~allowed)
+    """The candidates, and whether they are fresh."""
+    sheet, chosen, fresh = _offered(known, s, anywhere=anywhere)
     situation = Situation(
         p=sheet.vertices[chosen],
         n=sheet.normals[chosen],
@@ -141,15 +128,40 @@ def _candidates(
         explored_radius_m=s.explored_radius_m,
         seed=seed,
     )
-    return situation, bool(fresh.any())
+    return situation, fresh
 
 
-def _sheet(known: Known, s: ExplorerSettings, radius: float) -> Sheet:
+def _offered(
+    known: Known, s: ExplorerSettings, *, anywhere: bool
+) -> tuple[Sheet, NDArray[np.bool_], bool]:
+    """An estimate, which of its vertices are candidates, and whether these are fresh.
+
+    The radius grows until some are fresh and do not bulge, then the margin does: an estimate that
+    ends within its margin seems explored, though the object may go on.
+    """
+    radius, margin = np.inf if anywhere else s.candidate_radius_m, s.margin_m
+    while True:
+        sheet = _sheet(known, s, radius, margin)
+        allowed = _not_set_aside(sheet.vertices, known, s)
+        allowed = _elsewhere(allowed, sheet.vertices, known, s) if anywhere else allowed
+        fresh = allowed & (cKDTree(known.contacts.p_WC).query(sheet.vertices)[0] >= s.fresh_m)
+        high = bulge(sheet.vertices, known.contacts, within_m=s.bulge_within_m)
+        likely = fresh & (high <= s.bulge_m)
+        if likely.any() or (radius == np.inf and margin >= _MOST_MARGIN_M):
+            break
+        if radius == np.inf:
+            margin = min(2.0 * margin, _MOST_MARGIN_M)
+        radius = 2.0 * radius if 2.0 * radius < _WHOLE_M else np.inf
+    chosen = next((some for some in (likely, fresh, allowed) if some.any()), ~allowed)
+    return sheet, chosen, bool(fresh.any())
+
+
+def _sheet(known: Known, s: ExplorerSettings, radius: float, margin: float) -> Sheet:
     """The estimate within a radius of the last contact and a margin of all of them."""
     p = known.contacts.p_WC
-    low, high = p.min(axis=0) - s.margin_m, p.max(axis=0) + s.margin_m
+    low, high = p.min(axis=0) - margin, p.max(axis=0) + margin
     if radius > float(np.linalg.norm(high - low)):
-        return follow_surface(known.posterior, p, spacing_m=s.spacing_m, margin_m=s.margin_m)
+        return follow_surface(known.posterior, p, spacing_m=s.spacing_m, margin_m=margin)
     sheet = follow_surface(known.posterior, p[-1:], spacing_m=s.spacing_m, margin_m=radius)
     kept = ((sheet.vertices >= low) & (sheet.vertices <= high)).all(axis=1)
     kept &= np.linalg.norm(sheet.vertices - p[-1], axis=1) <= radius
