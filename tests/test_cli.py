@@ -5,9 +5,10 @@ import time
 
 import pytest
 
-from vh_drake import cli
+from vh_drake import catalog, cli
 from vh_drake.errors import BadInput, NothingSeen, UnknownName
 from vh_drake.experiments import grasp_command
+from vh_drake.reports import Report
 from vh_drake.scenes import doctor
 from vh_drake.scenes.doctor import Check
 
@@ -127,6 +128,19 @@ def test_the_seed_of_a_scenario_holds_unless_one_is_given(monkeypatch, tmp_path,
     )
     assert run(monkeypatch, "grasp", "--scenario", str(file), *arguments) == 0
     assert (ran[0].seed, ran[0].object) == (seed, "can")
+
+
+@pytest.mark.parametrize(("arguments", "workers"), [((), 1), (("--workers", "0"), 0)])
+def test_benchmarks_run_in_one_process_unless_asked(monkeypatch, tmp_path, arguments, workers):
+    asked = []
+
+    def run_entry(_kind, _entries, name, options):
+        asked.append((name, options.workers))
+        return Report(name, {}, {"trials": 1})
+
+    monkeypatch.setattr(catalog, "run_entry", run_entry)
+    assert run(monkeypatch, "bench", "soak", "--out", str(tmp_path), *arguments) == 0
+    assert asked == [("soak", workers)]
 
 
 def test_benchmarks_take_a_folder_of_objects_where_they_use_one(monkeypatch, capsys, tmp_path):

@@ -352,10 +352,14 @@ def bench(
     runs: RunsOption = None,
     split: SplitOption = None,
     seed: SeedOption = 0,
+    workers: WorkersOption = 1,
     out: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Measure speed and agreement beside other implementations, in one run."""
+    """Measure speed and agreement beside other implementations.
+
+    One worker unless you ask for more: times are told of an idle machine.
+    """
     from vh_drake.catalog import BENCHES, Options
 
     options = Options(
@@ -363,7 +367,7 @@ def bench(
         runs=runs,
         split=split,
         seed=seed,
-        workers=1,
+        workers=workers,
         out=out or Path("out") / f"bench-{name}",
     )
     _run_from(BENCHES, "benchmark", name, options, as_json)
