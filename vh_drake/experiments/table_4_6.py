@@ -39,8 +39,8 @@ def run(options: Options) -> Report:
     objects = [LiftObject(name, mass_kg=mass) for name, mass in MASSES_KG.items()]
     tasks = {
         f"{item.name} {seed}": trial_settings(item, seed, contact, attempts=ATTEMPTS)
+        for seed in range(options.seed, options.seed + runs)  # First, so that any part tells of all
         for item in objects
-        for seed in range(options.seed, options.seed + runs)
     }
     settings = {
         "masses_kg": MASSES_KG,
