@@ -3,6 +3,7 @@
 import dataclasses as dc
 
 import numpy as np
+from pydrake.geometry import ContactSurface
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.analysis import Simulator
@@ -10,7 +11,6 @@ from pydrake.systems.framework import Context
 
 from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
-from vh_drake.experiments.judge import nearest_surface_point
 from vh_drake.geometry.meshes import TriMesh
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
@@ -21,7 +21,7 @@ from vh_drake.objects.primitives import BoxShape, CylinderShape, SphereShape
 from vh_drake.reports import Report, Row
 from vh_drake.scenes.sliding_hand import WAIT_S, SlidingHand, make_sliding_hand
 from vh_drake.sensing.ft_contact import FtContactSettings
-from vh_drake.types import Array
+from vh_drake.types import Array, ContactSet
 
 SPEEDS_M_S = (0.05, 0.10, 0.20)
 MASSES_KG = (0.03, 1.0)  # drawn evenly in the logarithm
@@ -29,6 +29,7 @@ _GAP_M = 0.04
 _BEYOND_S = 0.6  # after the hand should have met the object
 _SETTLED_S = 0.12  # after detection
 _WATCH_S = 0.004
+_BEARING_SHARE = 0.25  # of the whole force: a patch that bears less is not where the hand touches
 _HEAVY_KG = 0.15
 
 
@@ -99,7 +100,7 @@ def approach_row(task: dict[str, float]) -> Row:
     scene = make_sliding_hand(
         hand, model, X_TO, pad_height_m=pad_height_m, speed_m_s=speed, seed=seed
     )
-    watch = _observe(scene, model, WAIT_S + _GAP_M / speed + _BEYOND_S)
+    watch = _observe(scene, WAIT_S + _GAP_M / speed + _BEYOND_S)
     return {
         "speed_m_s": speed,
         "seed": seed,
@@ -135,17 +136,52 @@ def _draw_object(name: str, rng: np.random.Generator, low: float, high: float) -
     return make_object(name, sphere(r), mass, primitive=SphereShape(r, (0.0, 0.0, r)))
 
 
+@dc.dataclass(frozen=True)
+class Patch:
+    """Where a part of the hand presses on the object."""
+
+    force_W: Array  # (3,) on the hand [N]
+    p_WC: Array  # (3,) centroid [m]
+    n_WC: Array  # (3,) the object's outward unit normal, mean over the patch
+
+
 @dc.dataclass
-class _Watch:
+class Watch:
     """What an observer notes of one approach."""
 
     touched_s: float | None = None  # first true contact
     detected_s: float | None = None
     force_n: float = 0.0  # true force at detection
     most_force_n: float = 0.0
+    patches: list[Patch] = dc.field(default_factory=list)  # when the force was greatest
     position_error_m: float = np.nan
     normal_error_rad: float = np.nan
     displacement_m: float = np.nan
+
+    def note(self, patches: list[Patch], now_s: float) -> float:
+        """Takes down what presses now; the whole force [N]."""
+        force = float(np.linalg.norm(sum(patch.force_W for patch in patches)))
+        if patches and self.touched_s is None:
+            self.touched_s = now_s
+        if force > self.most_force_n:
+            self.most_force_n, self.patches = force, patches
+        return force
+
+    def compare(self, felt: ContactSet) -> None:
+        """Errors of a felt contact: against the nearest patch that bears a part of the force.
+
+        A slight object leaves the finger and meets it again, so the moment of the greatest
+        force counts, not the last. Two fingers may touch at once: either place is true.
+        """
+        bearing = [
+            patch
+            for patch in self.patches
+            if np.linalg.norm(patch.force_W) >= _BEARING_SHARE * self.most_force_n
+        ]
+        gaps = [float(np.linalg.norm(felt.p_WC[0] - patch.p_WC)) for patch in bearing]
+        cosine = felt.n_WC[0] @ bearing[int(np.argmin(gaps))].n_WC
+        self.position_error_m = min(gaps)
+        self.normal_error_rad = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
     def row(self, speed_m_s: float) -> Row:
         """The notes as numbers that JSON holds."""
@@ -171,49 +207,53 @@ class _Watch:
         }
 
 
-def _observe(scene: SlidingHand, model: ObjectModel, until_s: float) -> _Watch:
+def _observe(scene: SlidingHand, until_s: float) -> Watch:
     simulator = Simulator(scene.diagram)
     root = simulator.get_mutable_context()
     plant_context = scene.plant.GetMyContextFromRoot(root)
     estimator_context = scene.estimator.GetMyContextFromRoot(root)
     X_WO = scene.plant.EvalBodyPoseInWorld(plant_context, scene.object)
-    start, watch, place = X_WO.translation().copy(), _Watch(), np.full(3, np.nan)
+    start, watch = X_WO.translation().copy(), Watch()
     while root.get_time() < until_s:
         simulator.AdvanceTo(root.get_time() + _WATCH_S)
-        now, contact = root.get_time(), true_contact(scene, plant_context)
-        if contact is not None:
-            watch.touched_s = now if watch.touched_s is None else watch.touched_s
-            watch.most_force_n, place = max(watch.most_force_n, contact[0]), contact[1]
+        now = root.get_time()
+        force = watch.note(true_patches(scene, plant_context), now)
         if watch.detected_s is None and scene.estimator.GetOutputPort("contact").Eval(
             estimator_context
         ):
-            watch.detected_s = now
-            watch.force_n = 0.0 if contact is None else contact[0]
+            watch.detected_s, watch.force_n = now, force
             until_s = now + _SETTLED_S
     if watch.detected_s is None or watch.touched_s is None:
         return watch
-    felt = scene.estimator.GetOutputPort("contact_point").Eval(estimator_context)
+    watch.compare(scene.estimator.GetOutputPort("contact_point").Eval(estimator_context))
     X_WO = scene.plant.EvalBodyPoseInWorld(plant_context, scene.object)
-    n_WC = X_WO.rotation() @ nearest_surface_point(model.mesh, X_WO.inverse() @ place)[1]
-    watch.position_error_m = float(np.linalg.norm(felt.p_WC[0] - place))
-    watch.normal_error_rad = float(np.arccos(np.clip(felt.n_WC[0] @ n_WC, -1, 1)))
     watch.displacement_m = float(np.linalg.norm(X_WO.translation() - start))
     return watch
 
 
-def true_contact(scene: SlidingHand, context: Context) -> tuple[float, Array] | None:
-    """Force [N] and place (3,) where hand and object press most; None where they don't."""
+def true_patches(scene: SlidingHand, context: Context) -> list[Patch]:
+    """All places where hand and object press on each other."""
     results = scene.plant.get_contact_results_output_port().Eval(context)
-    hand = scene.base.model_instance()
-    found = []
+    hand, found = scene.base.model_instance(), []
     for i in range(results.num_hydroelastic_contacts()):
-        patch = results.hydroelastic_contact_info(i)
-        surface = patch.contact_surface()
+        info = results.hydroelastic_contact_info(i)
+        surface = info.contact_surface()
         bodies = [_body(scene, context, g) for g in (surface.id_M(), surface.id_N())]
-        if scene.object in bodies and any(b.model_instance() == hand for b in bodies):
-            force = float(np.linalg.norm(patch.F_Ac_W().translational()))
-            found.append((force, np.array(surface.centroid())))
-    return max(found, key=lambda pair: pair[0]) if found else None
+        if scene.object not in bodies or all(b.model_instance() != hand for b in bodies):
+            continue
+        # Drake's normals point out of N, and the force is that on M's body.
+        out = 1.0 if bodies[1] is scene.object else -1.0
+        force = out * info.F_Ac_W().translational()
+        found.append(Patch(force, np.array(surface.centroid()), out * _mean_normal(surface)))
+    return found
+
+
+def _mean_normal(surface: ContactSurface) -> Array:
+    """Mean of a contact surface's unit normals (3,), weighted by area, of unit length."""
+    faces = range(surface.num_faces())
+    total = sum(surface.area(face) * surface.face_normal(face) for face in faces)
+    normal: Array = total / np.linalg.norm(total)
+    return normal
 
 
 def _body(scene: SlidingHand, context: Context, geometry: object) -> RigidBody:
