@@ -110,7 +110,30 @@ def test_pad_points_lie_in_the_pad_s_plane_within_its_radius():
     skin = pad_skin(p, n, radius_m=0.006)
     assert np.abs((skin.p_H - p) @ n).max() < 1e-12
     assert np.linalg.norm(skin.p_H - p, axis=1).max() <= 0.006 + 1e-9
-    np.testing.assert_allclose(skin.n_H, np.tile(n / np.sqrt(10.0), (len(skin.p_H), 1)))
+    np.testing.assert_allclose(np.linalg.norm(skin.n_H, axis=1), 1.0)
+
+
+def test_a_pad_s_normals_lean_outwards_from_its_middle_to_its_rim():
+    p, n = np.array([0.02, 0.0, 0.12]), np.array([-3.0, 0.0, 1.0]) / np.sqrt(10.0)
+    skin = pad_skin(p, n, radius_m=0.006, spacing_m=0.002, rim_lean_rad=0.5)
+    across = skin.p_H - p
+    distance = np.linalg.norm(across, axis=1)
+    np.testing.assert_allclose(skin.n_H[distance.argmin()], n, atol=1e-12)
+    lean = np.arccos(np.clip(skin.n_H @ n, -1.0, 1.0))
+    np.testing.assert_allclose(np.tan(lean), np.tan(0.5) * distance / 0.006, atol=1e-6)
+    assert ((skin.n_H * across).sum(axis=1) >= -1e-12).all()
+
+
+def test_the_side_of_the_pad_that_presses_tells_where_the_object_leans():
+    p, n = np.array([0.0, 0.0, 0.12]), np.array([0.0, 0.0, 1.0])
+    skin = pad_skin(p, n)
+    vague = {"force_std_n": 1e-3, "torque_std_nm": 1e-4}
+    for side in (-1.0, 1.0):
+        place = p + np.array([0.0, 0.004 * side, 0.0])
+        reading = Readings.of(wrench(place, np.array([0.0, 0.0, -1.0])))
+        _, n_H = contact_point(skin, reading, approach_H=n, **vague)
+        normal = contact_normal(reading.force, expected_approach(n, n_H), 0.8)
+        assert normal[1] * side < -0.15  # The object comes forward on that side, so it faces away.
 
 
 def test_a_force_within_the_friction_cone_leaves_the_expected_normal():

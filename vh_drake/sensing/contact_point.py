@@ -76,26 +76,39 @@ class Readings(Immutable):
 
 
 def pad_skin(
-    p_HPad: Array, n_HPad: Array, *, radius_m: float = 0.008, spacing_m: float = 0.002
+    p_HPad: Array,
+    n_HPad: Array,
+    *,
+    radius_m: float = 0.0043,
+    spacing_m: float = 0.0015,
+    rim_lean_rad: float = np.deg2rad(45.0),
 ) -> Skin:
     """A flat round patch about each pad; the first pad is where contact is expected.
+
+    A pad that does not lie flat presses with the side towards which the object leans, the more
+    so the more it leans. So the patch counts as if it were domed: its normals lean outwards from
+    the middle to the rim.
 
     Args:
         p_HPad: (k, 3) middles of the pads in H [m].
         n_HPad: (k, 3) their outward normals.
-        radius_m: of the patches [m].
+        radius_m: of the patches [m]; ARMAR-6's pads measure 7.0 by 8.6 mm.
         spacing_m: of the points [m].
+        rim_lean_rad: of the normals at the rim [rad].
     """
     p_HPad, n_HPad = np.atleast_2d(p_HPad), np.atleast_2d(n_HPad)
-    steps = np.arange(-radius_m, radius_m + spacing_m / 2, spacing_m)
+    half = int(radius_m / spacing_m + 1e-9)
+    steps = spacing_m * np.arange(-half, half + 1)
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     grid = grid[np.linalg.norm(grid, axis=1) <= radius_m + 1e-9]
     points, normals = [], []
     for p, n in zip(p_HPad, n_HPad, strict=True):
         unit = n / np.linalg.norm(n)
         _, _, rows = np.linalg.svd(unit[None])
-        points.append(p + grid @ rows[1:])
-        normals.append(np.tile(unit, (len(grid), 1)))
+        across = grid @ rows[1:]
+        domed = unit + np.tan(rim_lean_rad) / radius_m * across
+        points.append(p + across)
+        normals.append(domed / np.linalg.norm(domed, axis=1, keepdims=True))
     return Skin(np.concatenate(points), np.concatenate(normals), p_HPad[0].copy())
 
 
@@ -136,7 +149,7 @@ def contact_point(
     independent: float = 1.0,
     prior_std_m: float = 0.02,
     approach_H: Array | None = None,
-    facing_std_rad: float = np.deg2rad(20.0),
+    facing_std_rad: float = np.deg2rad(40.0),
 ) -> tuple[Array, Array]:
     """The likeliest contact on the skin.
 
