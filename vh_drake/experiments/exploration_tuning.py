@@ -1,12 +1,11 @@
 """`reproduce exploration-tuning`: which settings suit each exploration strategy best.
 
 Every strategy is tried with the same margins of the estimate and both departure rules, times as
-many values of its own parameters where it has any, on every third object of the train split. The
-winner has the least geometric mean, over the objects, of the distance to the goal, among those
-settings with which at least 95 % of the runs reach it, or, where there are none, nearly as many as
-with the best: so few runs tell a share to five points, and one unlucky run shall not decide for a
-setting that costs a third more. A run that does not reach the goal is charged in proportion to what
-it left unexplored.
+many values of its own parameters where it has any, on the train split. The winner has the least
+geometric mean, over the objects, of the distance to the goal, among those settings with which at
+least 95 % of the runs reach it, or, where there are none, nearly as many as with the best: so few
+runs tell a share to five points, and one unlucky run shall not decide for a setting that costs a
+third more. A run that does not reach the goal is charged in proportion to what it left unexplored.
 """
 
 import dataclasses as dc
@@ -39,7 +38,6 @@ RUNS = 2
 MARGINS_M = (0.01, 0.03, 0.05)
 REACHED_SHARE = 0.95
 SHARE_ERROR = 0.05  # of so few runs
-_EVERY = 3
 _LEAST_SHARE = 0.05
 
 # A strategy's own parameters, and its candidate radius where the thesis leaves it open.
@@ -65,7 +63,7 @@ def run(options: Options) -> Report:
         BadInput: folder or options are unusable.
     """
     split = options.split or ("train" if options.objects else None)
-    objects = list(explored_objects(dc.replace(options, split=split)))[::_EVERY]
+    objects = list(explored_objects(dc.replace(options, split=split)))
     folder, runs = str(options.objects or ""), options.runs or RUNS
     grid = settings_grid()
     tasks = {

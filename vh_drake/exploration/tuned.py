@@ -25,8 +25,8 @@ from vh_drake.exploration.strategies import (
 RADIUS_M = 0.05  # R_0 of section 3.3.2, around the last contact
 
 TUNED: Mapping[str, ExplorerSettings] = {
-    "igef": ExplorerSettings(Igef(IgefSettings(mu3_m=0.025)), RADIUS_M, margin_m=0.05),
-    "gp_variance": ExplorerSettings(GpVariance(), np.inf, margin_m=0.05),
+    "igef": ExplorerSettings(Igef(IgefSettings(mu3_m=0.025)), RADIUS_M, margin_m=0.03),
+    "gp_variance": ExplorerSettings(GpVariance(), np.inf, margin_m=0.01),
     "random": ExplorerSettings(Random(), RADIUS_M, margin_m=0.03),
     "uncertainty_cost": ExplorerSettings(UncertaintyCost(1.0), RADIUS_M, margin_m=0.01),
     "potential_field": ExplorerSettings(PotentialField(), RADIUS_M),
