@@ -1,4 +1,6 @@
 import gc
+import importlib
+import pkgutil
 import weakref
 
 import numpy as np
@@ -7,6 +9,7 @@ from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem, ValueProducer
 
+import vh_drake.systems
 from vh_drake.experiments.grasp_trial import make_trial
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.systems.collectable import Collectable, CollectableSystem
@@ -98,6 +101,23 @@ def test_a_system_that_is_used_keeps_its_diagram():
     context = counter.CreateDefaultContext()
     counter.GetInputPort("u").FixValue(context, [3.0])
     np.testing.assert_allclose(counter.GetOutputPort("count").Eval(context), [3.0])
+
+
+def test_every_system_of_the_package_can_be_freed():
+    modules = [
+        importlib.import_module(f"vh_drake.systems.{module.name}")
+        for module in pkgutil.iter_modules(vh_drake.systems.__path__)
+    ]
+    ours = {
+        value
+        for module in modules
+        for value in vars(module).values()
+        if isinstance(value, type)
+        and issubclass(value, LeafSystem)
+        and value.__module__ == module.__name__
+    }
+    assert len(ours) > 20
+    assert [kind.__name__ for kind in ours if not issubclass(kind, CollectableSystem)] == []
 
 
 def test_the_whole_robot_is_freed_after_a_trial_with_every_system_that_it_had():
