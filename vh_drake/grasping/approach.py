@@ -43,8 +43,8 @@ class GraspMotionSettings:
     weigh_m: float = 0.0  # piece of the lift after which a closed loop weighs; 0: it does not
     least_load_n: float = 0.12
     seek_m: float = 0.015  # of a second closing, towards what resisted the first
-    lift_m: float = 0.185  # 15 cm and what a heavy object may sag meanwhile
-    lift_s: float = 1.5
+    lift_m: float = 0.2  # 15 cm, what a heavy object may sag, and what a closing hand yields
+    lift_s: float = 1.6
     hold_s: float = 3.2
 
 
