@@ -1,8 +1,9 @@
 """Every strategy by name, with the settings that explored the train split best.
 
-They won the grid of `reproduce exploration-tuning`, which says by which rule. With all of them the
-fingertip leaves along the contact normal: along the inverse approach velocity (eq. 3.71) it crawls
-on edges.
+They are chosen by the rule of `reproduce exploration-tuning`: the margins of IGEF and of GP
+variance on all objects of the split, the others on a third of them and before candidates that bulge
+were put off. With all of them the fingertip leaves along the contact normal: along the inverse
+approach velocity (eq. 3.71) it crawls on edges.
 """
 
 import dataclasses as dc
