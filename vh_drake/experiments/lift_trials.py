@@ -1,6 +1,7 @@
 """Whole trials as tasks of a batch: settings that JSON holds in, a row of numbers out."""
 
 import dataclasses as dc
+import math
 import gc
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -184,7 +185,7 @@ def wilson_interval(successes: int, trials: int, z: float = 1.96) -> list[float]
         return [0.0, 1.0]
     p, n = successes / trials, trials
     middle = (p + z * z / (2 * n)) / (1 + z * z / n)
-    half = z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
+    half = z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
     return [round(max(0.0, middle - half), 4), round(min(1.0, middle + half), 4)]
 
 
