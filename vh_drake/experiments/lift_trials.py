@@ -1,8 +1,8 @@
 """Whole trials as tasks of a batch: settings that JSON holds in, a row of numbers out."""
 
 import dataclasses as dc
-import math
 import gc
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
