@@ -26,7 +26,7 @@ class PlannerSettings:
     planners: list[str] = dc.field(default_factory=lambda: list(PLANNERS))
     approaches: list[str] = dc.field(default_factory=lambda: ["collect", "side"])
     candidates: int = 800  # of all planners together
-    rounds: int = 6  # of drawing until enough candidates are free
+    rounds: int = 10  # of drawing until enough candidates are free
     draws: int = 400  # of each planner and approach a round
     least_width_m: float = 0.02
     clearance_m: float = 0.006  # between object and hand before it closes
