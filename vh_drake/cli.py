@@ -409,7 +409,7 @@ def dataset_generate(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Empty, or half done.")],
     scenes: Annotated[int, typer.Option(help="How many.")] = 1000,
     objects_: ObjectsOption = None,
-    shapes: Annotated[int, typer.Option(help="Drawn shapes that come along.")] = 64,
+    shapes: Annotated[int, typer.Option(help="Drawn shapes that come along.")] = 80,
     library: Annotated[bool, typer.Option(help="Whether embedded objects come along.")] = True,
     candidates: Annotated[int, typer.Option(help="Of each scene.")] = 160,
     scheduler: Annotated[

@@ -62,7 +62,7 @@ def make_spec(
     scenes: int,
     *,
     folder: Path | None = None,
-    shapes: int = 64,
+    shapes: int = 80,
     library: bool = True,
     seed: int = 0,
     settings: GeneratorSettings | None = None,

@@ -141,6 +141,31 @@ def _compound(rng: Rng) -> TriMesh:
     return _meshed(flattened, np.array([body + 0.05, body, top + 0.04]))
 
 
+def _slab(rng: Rng) -> TriMesh:
+    """What lies low: a bar of soap, a tin, a phone, a tray."""
+    thick = float(rng.uniform(0.012, 0.035))
+    if rng.random() < 0.35:
+        return lathe.cylinder(float(rng.uniform(0.022, 0.07)), thick)
+    x, y = (float(side) for side in rng.uniform([0.06, 0.035], [0.19, 0.1]))
+    edge = float(rng.uniform(0.1, 0.45) * thick)
+    return _meshed(rounded_box((0, 0, 0), (x, y, thick), edge), np.array([x, y, thick]) / 2)
+
+
+def _tongs(rng: Rng) -> TriMesh:
+    """Two legs that meet or cross: clamps, pliers, scissors, pegs."""
+    leg, cross = float(rng.uniform(0.05, 0.11)), float(rng.uniform(0.0, 0.05))
+    spread = rng.uniform(0.2, 0.65)  # of each leg from the middle, in rad
+    radii = rng.uniform(0.005, 0.012, 3)
+    parts = []
+    for side in (-1.0, 1.0):
+        x, y = float(np.cos(spread)), float(side * np.sin(spread))
+        end, tip = (-leg * x, -leg * y, 0.0), (cross * x, cross * y, 0.0)
+        parts.append(cone_capsule(end, tip, float(radii[0]), float(radii[1])))
+    pivot = 1.5 * float(radii[2])
+    parts.append(rod((0, 0, -pivot), (0, 0, pivot), float(rng.uniform(0.007, 0.014))))
+    return _meshed(union(*parts, blend=0.003), np.array([leg, leg, 0.02]) + 0.015)
+
+
 def _meshed(field: Field, half: np.ndarray) -> TriMesh:
     """The mesh of a field within a box of half sides about the origin."""
     reach = np.asarray(half, float) + _MARGIN_M
@@ -157,4 +182,6 @@ _KINDS: Mapping[str, Callable[[Rng], TriMesh]] = {
     "fruit": _fruit,
     "vessel": _vessel,
     "compound": _compound,
+    "slab": _slab,
+    "tongs": _tongs,
 }
