@@ -33,7 +33,7 @@ class TrainingSettings:
     epochs: int = 6  # at most
     rounds_per_epoch: int = 2  # after each the held-out objects are judged
     patience: int = 3  # rounds without improvement
-    batch: int = 256
+    batch: int = 128
     learning_rate: float = 1e-3  # at most; it rises over the first tenth and falls to zero
     weight_decay: float = 1e-2
     blind: float = 0.3  # share of the samples that are shown without hints
