@@ -459,6 +459,21 @@ def dataset_verify(folder: FolderArgument) -> None:
     print(f"{folder}: whole")
 
 
+@dataset.command("lift")
+def dataset_lift(
+    folder: FolderArgument,
+    scenes: Annotated[int, typer.Option(help="How many, of all objects in turn.")] = 400,
+    objects_: ObjectsOption = None,
+    workers: WorkersOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Carry out grasps of a data set with the hand alone; a killed run goes on."""
+    from vh_drake.learning.lifts import lift_facts, lift_grasps
+
+    lifts = lift_grasps(folder, objects_, scenes, workers=workers, title="lifting")
+    _print_facts(lift_facts(lifts), as_json)
+
+
 @app.command()
 def train(
     data: Annotated[
@@ -484,6 +499,31 @@ def train(
     settings = TrainingSettings(epochs=epochs, seed=seed)
     metric = train_metric(data, out, settings, workers=workers, tell=tell)
     _print_facts(metric.card["held_out"], as_json)
+
+
+@app.command("train-lifts")
+def train_lifts(
+    data: Annotated[
+        list[Path], typer.Option("--dataset", metavar="DIR", help="With grasps carried out.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="For the model.")],
+    weights: WeightsOption = None,
+    seed: SeedOption = 0,
+    workers: WorkersOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Fit the model that foretells lifts to grasps that were carried out."""
+    from vh_drake.learning.lift_training import LiftTrainingSettings, figures, train_lift_model
+
+    model = train_lift_model(
+        data,
+        out,
+        weights=weights,
+        settings=LiftTrainingSettings(seed=seed),
+        workers=workers,
+        title="inputs",
+    )
+    _print_facts(figures(model), as_json)
 
 
 @app.command()

@@ -5,7 +5,7 @@ a data set lift the true object from the table, with a mass drawn as of househol
 """
 
 import dataclasses as dc
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +82,16 @@ def read_lifts(folder: Path) -> dict[int, Lifted]:
         return {}
     rows = (Lifted(**row) for row in Journal(path, _SETTINGS).results.values())
     return {row.scene: row for row in rows}
+
+
+def lift_facts(lifts: Sequence[Lifted]) -> dict[str, Any]:
+    """How many grasps were carried out, and the share that lifted."""
+    outcomes = [lifted for scene in lifts for lifted in scene.lifted]
+    return {
+        "scenes": sum(bool(scene.grasps) for scene in lifts),
+        "lifts": len(outcomes),
+        "lifted_share": float(np.mean(outcomes)) if outcomes else None,
+    }
 
 
 def _lift_place(task: tuple[Path, int, Path | None]) -> Mapping[str, Any]:

@@ -1,0 +1,136 @@
+import dataclasses as dc
+
+import numpy as np
+import pytest
+from learning_scenes import can_scene
+from scenery import right_hand
+
+from vh_drake.errors import BadInput
+from vh_drake.gpis.surface import estimate_surface
+from vh_drake.grasping.field import object_field
+from vh_drake.learning.calibration import auc
+from vh_drake.learning.features import fused_points
+from vh_drake.learning.hints import hints_on_estimate
+from vh_drake.learning.lift_inputs import INPUTS, lift_inputs
+from vh_drake.learning.lift_model import load_lift_model, save_lift_model
+from vh_drake.learning.lift_training import (
+    LiftSamples,
+    LiftTrainingSettings,
+    figures,
+    fitted,
+    folds,
+    lift_samples,
+    scene_inputs,
+)
+from vh_drake.learning.metric import Prediction
+from vh_drake.types import Candidates
+
+QUICK = LiftTrainingSettings(networks=3, hidden=8, steps=150)
+
+
+def samples(count=1800, seed=0):
+    """Lifts that depend on two of the inputs, one of them not in proportion."""
+    rng = np.random.default_rng(seed)
+    inputs = rng.normal(size=(count, INPUTS))
+    inputs[:, 5] = 3.0  # never varies
+    logit = 3 * inputs[:, 0] - 4 * np.abs(inputs[:, 12]) + 3
+    lifted = rng.random(count) < 1 / (1 + np.exp(-logit))
+    names = tuple(f"object_{i % 12}" for i in range(count))
+    return LiftSamples(names, inputs, lifted)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return fitted(samples(), QUICK)
+
+
+def test_a_fitted_model_foretells_lifts_of_objects_it_never_saw(model):
+    other = samples(2000, seed=1)
+    told = model.probability(other.inputs)
+    assert auc(told, other.lifted) > 0.8
+    assert abs(told.mean() - other.lifted.mean()) < 0.06
+    assert 0.8 < model.card["unknown_objects"]["auc"] < 0.99
+    assert figures(model)["lifts"] == 1800
+    assert figures(model)["objects"] == 12
+
+
+def test_the_spread_tells_whether_networks_agree(model):
+    inputs = samples(100, seed=3).inputs
+    assert model.spread(inputs).min() > 0
+    assert model.spread(inputs).max() < 0.5
+    names = ("hidden", "hidden_offset", "out", "out_offset")
+    alike = {name: np.repeat(getattr(model, name)[:1], 4, axis=0) for name in names}
+    np.testing.assert_allclose(dc.replace(model, **alike).spread(inputs), 0, atol=1e-12)
+
+
+def test_the_same_samples_give_the_same_model(model):
+    again = fitted(samples(), QUICK)
+    np.testing.assert_array_equal(again.hidden, model.hidden)
+    assert again.calibration == model.calibration
+
+
+def test_a_model_survives_its_file_and_another_file_is_refused(model, tmp_path):
+    path = tmp_path / "lift_model.safetensors"
+    save_lift_model(path, model)
+    inputs = samples(20, seed=2).inputs
+    read = load_lift_model(path)
+    np.testing.assert_array_equal(read.probability(inputs), model.probability(inputs))
+    save_lift_model(path, dc.replace(model, mean=model.mean[1:], hidden=model.hidden[:, 1:]))
+    with pytest.raises(BadInput, match="lift model"):
+        load_lift_model(path)
+    with pytest.raises(BadInput, match="train anew"):
+        load_lift_model(tmp_path / "none.safetensors")
+
+
+def test_parts_of_the_objects_share_no_object():
+    names = samples().objects
+    parts = folds(names, 5, 0)
+    np.testing.assert_array_equal(np.sum(parts, axis=0), 1)
+    for part in parts:
+        own = {name for name, inside in zip(names, part, strict=True) if inside}
+        others = {name for name, inside in zip(names, part, strict=True) if not inside}
+        assert own
+        assert not own & others
+    with pytest.raises(BadInput, match="are needed at least"):
+        folds(("a", "b"), 5, 0)
+
+
+def test_lifts_that_all_came_out_alike_teach_nothing():
+    alike = dc.replace(samples(), lifted=np.ones(1800, bool))
+    with pytest.raises(BadInput, match="came out alike"):
+        fitted(alike, QUICK)
+
+
+def test_without_lifts_there_is_nothing_to_learn_from(tmp_path):
+    (tmp_path / "scenes-00000.parquet").touch()
+    with pytest.raises(BadInput):
+        lift_samples([tmp_path], None, workers=1)
+
+
+def test_inputs_are_finite_and_of_one_magnitude():
+    scene = can_scene()
+    surface, hand = estimate_surface(scene.view, scene.contacts), right_hand()
+    estimate = object_field(surface, scene.view.table)
+    fused = fused_points(scene.view, scene.contacts)
+    hints = hints_on_estimate(scene.candidates, estimate, fused, hand, 0)
+
+    def inputs_of(candidates, hints):
+        told = Prediction(*(np.full(len(candidates), p) for p in (1.0, 0.6, 0.0)))
+        return lift_inputs(candidates, surface, estimate, hand, told, hints)
+
+    inputs = inputs_of(scene.candidates, hints)
+    assert inputs.shape == (len(scene.candidates), INPUTS)
+    assert np.isfinite(inputs).all()
+    assert np.abs(inputs).max() < 10
+    nothing = {f.name: getattr(hints, f.name)[:0] for f in dc.fields(hints)}
+    assert inputs_of(Candidates(), dc.replace(hints, **nothing)).shape == (0, INPUTS)
+
+
+def test_inputs_of_a_scene_are_those_of_the_chosen_grasps():
+    scene = can_scene()
+    some = scene_inputs(scene, np.array([3, 1]), None)
+    other = scene_inputs(scene, np.array([1]), None)
+    assert some.shape == (2, INPUTS)
+    stochastic = [3, 5, 6, 7, 8, 9]  # hints from disturbances, which are drawn for each set
+    fixed = np.setdiff1d(np.arange(10, INPUTS), stochastic)
+    np.testing.assert_allclose(some[1][fixed], other[0][fixed], atol=1e-9)
