@@ -73,3 +73,26 @@ def test_a_cache_that_can_not_be_written_is_no_error(bracket, tmp_path):
 def test_the_cache_folder_follows_the_environment(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert cache_folder() == tmp_path / "vh_drake"
+
+
+def test_where_cutting_ends_its_process_repair_is_tried_and_then_the_hull(bracket, monkeypatch):
+    asked = []
+    cut = decomposition._in_a_process
+
+    def fails(mesh, options):
+        asked.append(options["preprocess_mode"])
+        return cut(mesh, options) if options["preprocess_mode"] == mended else ()
+
+    monkeypatch.setattr(decomposition, "_in_a_process", fails)
+    mended = "on"
+    assert 1 < len(decomposition._decompose(bracket, 0)) <= 16
+    assert asked == ["auto", "on"]
+    mended = None
+    with pytest.warns(UserWarning, match="hull is taken"):
+        pieces = decomposition._decompose(bracket, 0)
+    assert len(pieces) == 1
+    assert ConvexHull(pieces[0]).volume == pytest.approx(bracket.convex_hull.volume, rel=0.05)
+
+
+def test_a_process_that_ends_badly_gives_no_pieces(bracket):
+    assert decomposition._in_a_process(bracket, {"no_such_option": 1}) == ()

@@ -1,23 +1,30 @@
 """Convex pieces of a mesh, for contact models that know only convex shapes."""
 
 import hashlib
+import io
+import json
 import os
+import subprocess
+import sys
 import tempfile
+import warnings
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-import coacd
 import numpy as np
 
+from vh_drake.geometry import coacd_process
 from vh_drake.geometry.meshes import TriMesh
 from vh_drake.geometry.remesh import simplify
 from vh_drake.types import Array
 
 _CONVEX_SHARE = 0.95  # of the hull's volume: such a mesh is convex enough
 _INPUT_TRIANGLES = 800
+_HULL_TRIANGLES = 400
 _OPTIONS = {
     "threshold": 0.06,
     "max_convex_hull": 16,
-    "preprocess_mode": "auto",
     "preprocess_resolution": 40,
     "resolution": 500,
     "mcts_nodes": 10,
@@ -46,7 +53,7 @@ def convex_pieces(mesh: TriMesh, *, seed: int = 0, cache: Path | None = None) ->
     """
     hull = mesh.convex_hull
     if mesh.volume > _CONVEX_SHARE * hull.volume:
-        return (simplify(hull, 400).vertices,)
+        return (simplify(hull, _HULL_TRIANGLES).vertices,)
     path = (cache or cache_folder() / "convex") / f"{_content_key(mesh, seed)}.npz"
     pieces = _read(path)
     if pieces is None:
@@ -56,11 +63,26 @@ def convex_pieces(mesh: TriMesh, *, seed: int = 0, cache: Path | None = None) ->
 
 
 def _decompose(mesh: TriMesh, seed: int) -> tuple[Array, ...]:
-    """Run CoACD, silently."""
-    coacd.set_log_level("off")
+    """Run CoACD; its own repair of the mesh is asked for where it fails without."""
     coarse = simplify(mesh, _INPUT_TRIANGLES)
-    parts = coacd.run_coacd(coacd.Mesh(coarse.vertices, coarse.faces), seed=seed, **_OPTIONS)
-    return tuple(np.asarray(vertices, dtype=np.float64) for vertices, _ in parts)
+    for mode in ("auto", "on"):
+        pieces = _in_a_process(coarse, {**_OPTIONS, "preprocess_mode": mode, "seed": seed})
+        if pieces:
+            return pieces
+    warnings.warn("the mesh can't be cut into convex pieces; its hull is taken", stacklevel=3)
+    return (simplify(mesh.convex_hull, _HULL_TRIANGLES).vertices,)
+
+
+def _in_a_process(mesh: TriMesh, options: Mapping[str, Any]) -> tuple[Array, ...]:
+    """CoACD's pieces; none where it fails, since some meshes make it end its process."""
+    given = io.BytesIO()
+    np.savez(given, vertices=mesh.vertices, faces=mesh.faces)
+    command = [sys.executable, coacd_process.__file__, json.dumps(dict(options))]
+    done = subprocess.run(command, input=given.getvalue(), capture_output=True, check=False)
+    if done.returncode != 0:
+        return ()
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as archive:
+        return tuple(archive[f"arr_{i}"] for i in range(len(archive.files)))
 
 
 def _content_key(mesh: TriMesh, seed: int) -> str:
