@@ -1,6 +1,6 @@
 import pytest
 
-from vh_drake.experiments.contenders import BEYOND, CONTENDERS, DEFAULT, subject
+from vh_drake.experiments.contenders import BEYOND, CONTENDERS, DEFAULT, KNOWING, subject
 from vh_drake.experiments.exploration_statistics import compared, object_means
 
 
@@ -17,6 +17,14 @@ def rows():
 def test_what_goes_beyond_the_thesis_runs_by_default_and_is_compared_with_igef():
     assert set(BEYOND) == {"lookahead", "whole_hand"}
     assert set(BEYOND) <= set(DEFAULT) <= set(CONTENDERS)
+
+
+def test_the_shortest_way_runs_only_where_it_is_asked_for():
+    assert KNOWING in CONTENDERS
+    assert KNOWING not in DEFAULT
+    row = CONTENDERS[KNOWING](subject("apple", ""), 0)
+    assert row["end"] == "goal"
+    assert row["distance_cm"] < CONTENDERS["igef"](subject("apple", ""), 0)["distance_cm"]
 
 
 def test_a_hand_motion_is_counted_for_every_closing_and_the_first_touch(rows):

@@ -53,6 +53,18 @@ def test_ratios_are_those_of_the_means_of_each_object_averaged_over_objects():
     assert "igef_shortest_share_equal_radius" not in summary
 
 
+def test_the_shortest_way_is_set_beside_what_strategies_need():
+    rows = [
+        made_row("a", "shortest_way", 10.0),
+        made_row("b", "shortest_way", 30.0),
+        made_row("a", "gp_variance", 40.0),
+        made_row("b", "gp_variance", 40.0),
+    ]
+    assert compared(object_means(rows))["shortest_way_over_gp_variance_mean_ratio"] == 0.5
+    rows += [made_row("a", "igef", 20.0), made_row("b", "igef", 30.0)]
+    assert compared(object_means(rows))["igef_over_shortest_way_mean_ratio"] == 1.5
+
+
 def test_the_interval_of_a_mean_covers_it_and_narrows_with_more_values():
     rng = np.random.default_rng(0)
     few, many = rng.normal(size=20), rng.normal(size=2000)

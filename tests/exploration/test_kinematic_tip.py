@@ -67,3 +67,10 @@ def test_the_length_is_that_of_the_part_that_was_followed():
     walked = np.linalg.norm(np.diff(p, axis=0), axis=1).sum()
     assert part.touched
     assert part.length_m == pytest.approx(walked, rel=1e-4)
+
+
+def test_a_curve_that_stands_still_ends_where_it_is():
+    stand = np.tile([0.0, 0.0, 0.1], (4, 1))
+    motion = move_along(BALL, stand, radius_m=0.005, beyond_m=0.005)
+    assert not motion.touched
+    np.testing.assert_array_equal(motion.p_WTip, stand[0])

@@ -12,8 +12,10 @@ from pathlib import Path
 
 from vh_drake.errors import UnknownName
 from vh_drake.experiments.hand_closing import planned_hand, true_closer
-from vh_drake.exploration.loop import Body, explore, make_body
+from vh_drake.exploration.explorer import ExplorerSettings
+from vh_drake.exploration.loop import Body, Exploration, explore, make_body
 from vh_drake.exploration.measures import measure
+from vh_drake.exploration.shortest_way import Sites, explore_knowing, make_sites
 from vh_drake.exploration.tuned import RADIUS_M, TUNED, tuned
 from vh_drake.exploration.whole_hand import Closer, Hand, explore_by_hand
 from vh_drake.hand.description import load_hand
@@ -50,11 +52,27 @@ def by_strategy(
 ) -> Row:
     """One exploration by the fingertip alone."""
     settings = tuned(strategy, candidate_radius_m=candidate_radius_m)
-    measures = measure(explore(subject.body, settings, seed=seed), subject.body, settings)
+    return _numbers(explore(subject.body, settings, seed=seed), subject, settings)
+
+
+def _numbers(result: Exploration, subject: Subject, settings: ExplorerSettings) -> Row:
+    measures = measure(result, subject.body, settings)
     return {
         name: round(value, _DIGITS) if isinstance(value, float) else value
         for name, value in dc.asdict(measures).items()
     }
+
+
+@cache
+def _sites(subject: Subject) -> Sites:
+    return make_sites(subject.body, subject.model.mesh)
+
+
+def by_shortest_way(subject: Subject, seed: int) -> Row:
+    """One exploration by the fingertip on a way that was planned on the true object."""
+    settings = tuned("igef")  # for fingertip and estimate; the strategy is not asked
+    result = explore_knowing(subject.body, _sites(subject), settings, seed=seed)
+    return _numbers(result, subject, settings)
 
 
 @cache
@@ -85,6 +103,7 @@ def by_whole_hand(subject: Subject, seed: int) -> Row:
     }
 
 
+KNOWING = "shortest_way"  # knows the object, as no strategy does: what could be saved at most
 EQUAL_RADIUS = "_equal_radius"  # candidates within R_0 of the last contact, as for IGEF and chance
 
 CONTENDERS: Mapping[str, Contender] = {
@@ -93,6 +112,7 @@ CONTENDERS: Mapping[str, Contender] = {
         by_strategy, strategy="gp_variance", candidate_radius_m=RADIUS_M
     ),
     "whole_hand": by_whole_hand,
+    KNOWING: by_shortest_way,
 }
 
 DEFAULT = ("igef", "gp_variance", "random", f"gp_variance{EQUAL_RADIUS}", "lookahead", "whole_hand")

@@ -21,7 +21,11 @@ COLORS = {
     "uncertainty_cost": "tab:purple",
     "potential_field": "tab:brown",
 }
-_LABELS = {"igef": "IGEF", "gp_variance": "GP variance"}
+_LABELS = {
+    "igef": "IGEF",
+    "gp_variance": "GP variance",
+    "shortest_way": "shortest way found by who knows the object",
+}
 _CM = 100.0
 _PER_CURVE = 16  # points of a drawn curve
 _MOST_FACES = 1500  # of a drawn mesh

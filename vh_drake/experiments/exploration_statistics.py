@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vh_drake.experiments.contenders import BEYOND, EQUAL_RADIUS
+from vh_drake.experiments.contenders import BEYOND, EQUAL_RADIUS, KNOWING
 from vh_drake.reports import Row
 from vh_drake.types import Array
 
@@ -71,6 +71,9 @@ def compared(means: Means) -> Row:
             summary |= _ratio(f"{other}_over_igef", ratio)
         elif other != "igef":
             summary |= _ratio(f"igef_over_{other}", means.of("igef") / means.of(other))
+    if {KNOWING, "gp_variance"} <= set(means.values):
+        ratio = means.of(KNOWING) / means.of("gp_variance")
+        summary |= _ratio(f"{KNOWING}_over_gp_variance", ratio)
     summary |= _shortest(means, "igef_shortest_share", ("gp_variance", "random"))
     equal = (f"gp_variance{EQUAL_RADIUS}", "random")
     summary |= _shortest(means, "igef_shortest_share_equal_radius", equal)

@@ -71,7 +71,9 @@ def _trace(
     fastest = end
     for i in range(3):
         fastest = max(fastest, 3.0 * np.sqrt(((b[i + 1] - b[i]) ** 2).sum()))
-    last, tau, within = 1.0 + beyond / end, 0.0, np.inf
+    # A curve that ends in a stand has no direction in which to go on.
+    last = 1.0 + (beyond / end if end > 1e-6 else 0.0)
+    tau, within = 0.0, np.inf
     while True:
         p, slope = _place(b, tau)
         distance, nearest = closest_point(tree, p, within)

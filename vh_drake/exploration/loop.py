@@ -164,19 +164,29 @@ def touches(
 ) -> Iterator[Step]:
     """Touch after touch, for as long as there is a place to touch."""
     while (choice := choose_touch(known, settings, seed=seed)) is not None:
-        target, normal = choice.p[choice.chosen], choice.n[choice.chosen]
-        motions, curves = _way(body.tree, choice.curves, known, settings)
-        last = motions[-1]
-        if not last.touched:
+        step = step_to(body, choice, known, coverage, settings)
+        if step is None:
             return
-        approach, turn = _turned(known, normal, motions, len(choice.curves))
-        length = sum(motion.length_m for motion in motions)
-        missed = len(motions) > len(choice.curves)
-        touch = Touch(target, last.p_WC, last.n_WC, curves, last.tau, length, turn, missed)
-        arrival = Arrival(last.p_WTip, last.direction_W, approach, last.p_WC, last.n_WC)
-        known = after_touch(known, target, arrival, settings)
-        coverage = coverage.with_contact(last.p_WC)
-        yield Step(choice, touch, known, coverage)
+        known, coverage = step.known, step.coverage
+        yield step
+
+
+def step_to(
+    body: Body, choice: Choice, known: Known, coverage: Coverage, settings: ExplorerSettings
+) -> Step | None:
+    """Make a touch that was chosen; None where the way met nothing at all."""
+    target, normal = choice.p[choice.chosen], choice.n[choice.chosen]
+    motions, curves = _way(body.tree, choice.curves, known, settings)
+    last = motions[-1]
+    if not last.touched:
+        return None
+    approach, turn = _turned(known, normal, motions, len(choice.curves))
+    length = sum(motion.length_m for motion in motions)
+    missed = len(motions) > len(choice.curves)
+    touch = Touch(target, last.p_WC, last.n_WC, curves, last.tau, length, turn, missed)
+    arrival = Arrival(last.p_WTip, last.direction_W, approach, last.p_WC, last.n_WC)
+    after = after_touch(known, target, arrival, settings)
+    return Step(choice, touch, after, coverage.with_contact(last.p_WC))
 
 
 def _reason(share: float, without_gain: int, count: int, end: EndSettings) -> str:
