@@ -2,8 +2,17 @@ import subprocess
 
 import numpy as np
 import pytest
-from pydrake.geometry import Box, Cylinder, GeometryInstance, PerceptionProperties, SceneGraph
+from pydrake.geometry import (
+    Box,
+    Cylinder,
+    GeometryInstance,
+    PerceptionProperties,
+    SceneGraph,
+    Sphere,
+)
 from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
 from vh_drake.errors import BadInput
@@ -70,6 +79,39 @@ def test_the_can_is_segmented_from_the_camera_s_cloud(render):
     assert radius.max() < 0.04
     assert seen.p_WO[:, 2].max() == pytest.approx(1.0, abs=0.005)
     assert seen.table.offset == pytest.approx(0.9, abs=0.001)
+
+
+@pytest.mark.parametrize("caching", [True, False])
+def test_the_rendered_camera_goes_with_its_frame_and_sees_what_moved(caching):
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    inertia = SpatialInertia.SolidSphereWithMass(1.0, 0.1)
+    carrier, ball = (plant.AddRigidBody(name, inertia) for name in ("carrier", "ball"))
+    plant.RegisterVisualGeometry(ball, RigidTransform(), Sphere(0.05), "ball", [1, 1, 1, 1])
+    plant.Finalize()
+    settings = CameraSettings(width=64, height=48, noise=SILENT)
+    frame = plant.GetBodyFrameIdOrThrow(carrier.index())
+    camera = make_depth_camera(builder, scene_graph, frame, RigidTransform(), settings, render=True)
+    diagram = builder.Build()
+    root = diagram.CreateDefaultContext()
+    if not caching:
+        root.DisableCaching()
+    own = plant.GetMyMutableContextFromRoot(root)
+    for X_WP, distance in ((RigidTransform(), 0.8), (RigidTransform([0.3, -2.0, 1.0]), 1.5)):
+        plant.SetFreeBodyPose(own, carrier, X_WP)
+        plant.SetFreeBodyPose(own, ball, X_WP @ RigidTransform([0.0, 0.0, distance + 0.05]))
+        image = camera.GetOutputPort("depth_image").Eval(camera.GetMyContextFromRoot(root))
+        assert image.data[24, 32, 0] == pytest.approx(distance, abs=5e-3)
+
+
+def test_no_renderer_burdens_the_plant_s_scene_graph():
+    builder = DiagramBuilder()
+    scene_graph = builder.AddSystem(SceneGraph())
+    scene_graph.RegisterSource("test")
+    world = scene_graph.world_frame_id()
+    make_depth_camera(builder, scene_graph, world, RigidTransform(), render=True)
+    assert scene_graph.RendererCount() == 0
+    builder.Build()
 
 
 def test_a_camera_that_sees_nothing_is_refused():

@@ -9,15 +9,14 @@ from pydrake.geometry import (
     DepthRange,
     DepthRenderCamera,
     FrameId,
-    MakeRenderEngineVtk,
     RenderCameraCore,
-    RenderEngineVtkParams,
     SceneGraph,
 )
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
+from vh_drake.scenes.rendering import add_rendered_copy
 from vh_drake.sensing.depth_noise import DepthNoiseSettings
 from vh_drake.sensing.egl import egl_available
 from vh_drake.sensing.intrinsics import Intrinsics
@@ -67,7 +66,7 @@ def make_depth_camera(
 
     Args:
         builder: takes the systems.
-        scene_graph: already in the builder.
+        scene_graph: already in the builder, with all geometry that shall be seen.
         parent_frame_id: frame that carries the camera.
         X_PC: optical frame (+z forward, +x right, +y down) in it.
         settings: of the camera.
@@ -84,26 +83,24 @@ def make_depth_camera(
     settings = settings or CameraSettings()
     intrinsics = settings.intrinsics()
     render = egl_available() if render is None else render
-    make = _rendered if render else _cast
-    source = builder.AddNamedSystem(
-        "depth_source", make(scene_graph, parent_frame_id, X_PC, settings)
-    )
+    make = _add_rendered if render else _add_cast
+    source = make(builder, scene_graph, parent_frame_id, X_PC, settings)
     believed = settings.believed_pose(seed)
     camera = builder.AddNamedSystem(
         "depth_camera", DepthCamera(intrinsics, settings.noise, seed, believed)
     )
-    builder.Connect(scene_graph.get_query_output_port(), source.GetInputPort("geometry_query"))
     builder.Connect(source.GetOutputPort("depth_image_32f"), camera.GetInputPort("depth_image"))
     builder.Connect(source.GetOutputPort("body_pose_in_world"), camera.GetInputPort("X_WC"))
     return camera
 
 
-def _rendered(
-    scene_graph: SceneGraph, parent: FrameId, X_PC: RigidTransform, settings: CameraSettings
+def _add_rendered(
+    builder: DiagramBuilder,
+    scene_graph: SceneGraph,
+    parent: FrameId,
+    X_PC: RigidTransform,
+    settings: CameraSettings,
 ) -> RgbdSensor:
-    if not scene_graph.HasRenderer(_RENDERER):
-        parameters = RenderEngineVtkParams(backend="EGL")
-        scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(parameters))
     pinhole = settings.intrinsics()
     # Drake's renderer counts from the image's corner, we from the first pixel's middle.
     centre = pinhole.cx + 0.5, pinhole.cy + 0.5
@@ -111,16 +108,27 @@ def _rendered(
     clipping = ClippingRange(0.5 * settings.min_depth_m, 2.0 * settings.max_depth_m)
     core = RenderCameraCore(_RENDERER, info, clipping, RigidTransform())
     depth_range = DepthRange(settings.min_depth_m, settings.max_depth_m)
-    return RgbdSensor(parent, X_PC, DepthRenderCamera(core, depth_range))
+    copy, frames = add_rendered_copy(builder, scene_graph, _RENDERER)
+    sensor = RgbdSensor(frames[parent], X_PC, DepthRenderCamera(core, depth_range))
+    builder.AddNamedSystem("depth_source", sensor)
+    builder.Connect(copy.get_query_output_port(), sensor.GetInputPort("geometry_query"))
+    return sensor
 
 
-def _cast(
-    scene_graph: SceneGraph, parent: FrameId, X_PC: RigidTransform, settings: CameraSettings
+def _add_cast(
+    builder: DiagramBuilder,
+    scene_graph: SceneGraph,
+    parent: FrameId,
+    X_PC: RigidTransform,
+    settings: CameraSettings,
 ) -> LeafSystem:
-    return RaycastDepth(
+    caster = RaycastDepth(
         parent,
         X_PC,
         settings.intrinsics(),
         min_depth_m=settings.min_depth_m,
         max_depth_m=settings.max_depth_m,
     )
+    builder.AddNamedSystem("depth_source", caster)
+    builder.Connect(scene_graph.get_query_output_port(), caster.GetInputPort("geometry_query"))
+    return caster
