@@ -62,7 +62,7 @@ class BaseDrive(CollectableSystem):
         before = context.get_discrete_state_vector().value()[:6]
         target = self._target.Eval(context).GetAsMatrix4()
         now = base_position(self._hand, target, before)
-        values.set_value(np.r_[now, (now - before) / PERIOD_S])
+        values.set_value(np.concatenate([now, (now - before) / PERIOD_S]))
 
     def _calc_pose(self, context: Context, output: Value) -> None:
         position = context.get_discrete_state_vector().value()[:6]

@@ -65,12 +65,13 @@ class JointVelocityIntegrator(CollectableSystem):
 
     def _step(self, context: Context, values: DiscreteValues) -> None:
         arm = self._kinematics
-        q, velocity = np.split(context.get_discrete_state_vector().value(), 2)
+        now = context.get_discrete_state_vector().value()
+        q, velocity = now[:8], now[8:]
         velocity = limited_joint_velocity(
             self._velocity.Eval(context), q, velocity, arm.limits, period_s=self._period_s
         )
         # Clamped, since the sum is rounded.
-        values.set_value(np.r_[arm.clamped(q + self._period_s * velocity), velocity])
+        values.set_value(np.concatenate([arm.clamped(q + self._period_s * velocity), velocity]))
 
     def _checked(self, q: Array) -> Array:
         arm = self._kinematics

@@ -68,6 +68,7 @@ class TendonHand(CollectableSystem):
         motors = hand.description.motors
         k = len(motors)
         self._stroke = np.array([motor.closed_m for motor in motors])
+        self._most = self._stroke * PERIOD_S / STROKE_S  # in a period
         self._strongest = np.array([motor.force_n for motor in motors])
         fingers = np.bincount(hand.motor_of_finger, minlength=k)
         self._share = 1.0 / fingers[hand.motor_of_finger]
@@ -96,7 +97,7 @@ class TendonHand(CollectableSystem):
 
     def _fraction(self, context: Context) -> Array:
         travel = self._measured.Eval(context)[: len(self._stroke)]
-        fraction: Array = np.clip(travel / self._stroke, 0.0, 1.0)
+        fraction: Array = np.minimum(np.maximum(travel / self._stroke, 0.0), 1.0)
         return fraction
 
     def _step(self, context: Context, values: DiscreteValues) -> None:
@@ -104,9 +105,10 @@ class TendonHand(CollectableSystem):
         if self._by_force:
             wanted = self._travel_for_force(context, now)
         else:
-            wanted = np.clip(self._command.Eval(context), 0.0, 1.0) * self._stroke
-        most = self._stroke * PERIOD_S / STROKE_S
-        step = np.clip(wanted - now, -most, most)
+            fraction = np.minimum(np.maximum(self._command.Eval(context), 0.0), 1.0)
+            wanted = fraction * self._stroke
+        most = self._most
+        step = np.minimum(np.maximum(wanted - now, -most), most)
         values.set_value(np.concatenate([now + step, step / PERIOD_S]))
 
     def _travel_for_force(self, context: Context, now: Array) -> Array:

@@ -56,7 +56,8 @@ class WristSensor(CollectableSystem):
         if not plant.is_finalized():
             raise BadInput("WristSensor needs a finalized plant; call plant.Finalize() before")
         self._ordinal = list(plant.GetJointIndices()).index(joint.index())
-        self._X_HJ: RigidTransform = joint.frame_on_child().GetFixedPoseInBodyFrame()
+        X_HJ: RigidTransform = joint.frame_on_child().GetFixedPoseInBodyFrame()
+        self._R_HJ, self._p_HJ = X_HJ.rotation().matrix(), np.array(X_HJ.translation())
         self._settings = settings or WristNoiseSettings()
         self._seed = seed
         self._reactions = self.DeclareAbstractInputPort(
@@ -76,9 +77,8 @@ class WristSensor(CollectableSystem):
                 f"WristSensor reads joint {self._ordinal} and got {len(reactions)} reaction "
                 "forces; connect the port of the plant that it was made with"
             )
-        R_HJ = self._X_HJ.rotation()
-        force_H = R_HJ @ reactions[self._ordinal].translational()
-        torque_H = R_HJ @ reactions[self._ordinal].rotational()
-        torque_H += cross(self._X_HJ.translation(), force_H)
+        reaction = reactions[self._ordinal]
+        force_H = self._R_HJ @ reaction.translational()
+        torque_H = self._R_HJ @ reaction.rotational() + cross(self._p_HJ, force_H)
         noise = wrist_noise(context.get_time(), self._seed, self._settings)
         output.SetFromVector(noise - np.concatenate([torque_H, force_H]))

@@ -122,7 +122,7 @@ class ArmKinematics:
 
     def clamped(self, q: Array) -> Array:
         """The nearest joint positions (8,) within the limits."""
-        return np.clip(q, self.lower, self.upper)
+        return np.minimum(np.maximum(q, self.lower), self.upper)
 
     @property
     def screws(self) -> tuple[Array, Array, Array]:

@@ -87,15 +87,22 @@ class HandModel:
         """
         fraction = np.asarray(motor_fraction, dtype=np.float64)
         angles = np.empty((*fraction.shape[:-1], len(self.joints)))
-        motor_of_joint = self.motor_of_finger[self.finger_of_link[1:]]
-        for motor in range(len(self.description.motors)):
-            own = np.flatnonzero(motor_of_joint == motor)
-            if len(own) == 0:
-                continue
-            range_ = self.upper[own] - self.lower[own]
-            springs = SprungJoints(self.stiffness[own], self.preload[own], range_)
+        for motor, own, springs in self._driven:
             angles[..., own] = self.lower[own] + springs.angles_at_fraction(fraction[..., motor])
         return angles
+
+    @cached_property
+    def _driven(self) -> tuple[tuple[int, IntArray, SprungJoints], ...]:
+        """Motors with the joints that they close."""
+        motor_of_joint = self.motor_of_finger[self.finger_of_link[1:]]
+        driven = []
+        for motor in range(len(self.description.motors)):
+            own = np.flatnonzero(motor_of_joint == motor)
+            if len(own):
+                range_ = self.upper[own] - self.lower[own]
+                springs = SprungJoints(self.stiffness[own], self.preload[own], range_)
+                driven.append((motor, own, springs))
+        return tuple(driven)
 
     def link_poses(self, angles: Array) -> Array:
         """Poses X_HL (n + 1, 4, 4) of all links at joint angles (n,)."""

@@ -12,6 +12,7 @@ piecewise linear: it is inverted exactly at its breakpoints.
 """
 
 import dataclasses as dc
+from functools import cached_property
 
 import numpy as np
 
@@ -40,7 +41,8 @@ class SprungJoints:
     def angles_at_torque(self, torque: Array) -> Array:
         """Joint angles (..., n) [rad] where each joint's tendon torque R F is given [N m]."""
         free = np.asarray(torque)[..., None] / self.stiffness - self.preload
-        return np.clip(free, 0.0, self.upper)
+        # Faster than np.clip, which a closing hand calls in every period.
+        return np.minimum(np.maximum(free, 0.0), self.upper)
 
     def angles_at_fraction(self, fraction: Array | float) -> Array:
         """Joint angles (..., n) [rad] where a fraction 0..1 of the whole travel is pulled.
@@ -48,9 +50,14 @@ class SprungJoints:
         Below 0 and above 1 the joints rest at their stops. The lever cancels, as it is the
         same in all joints.
         """
+        travels, torques = self._breakpoints
+        # Beyond both ends np.interp gives the value at the end.
+        return self.angles_at_torque(np.asarray(np.interp(fraction, travels, torques)))
+
+    @cached_property
+    def _breakpoints(self) -> tuple[Array, Array]:
+        """Fractions of the travel, from 0 to 1, at which joints start or stop, and torques."""
         starts = self.stiffness * self.preload
         stops = self.stiffness * (self.preload + self.upper)
         torques = np.unique(np.concatenate([starts, stops]))
-        travels = self.angles_at_torque(torques).sum(axis=-1) / self.upper.sum()
-        wanted = np.clip(fraction, 0.0, 1.0)
-        return self.angles_at_torque(np.interp(wanted, travels, torques))
+        return self.angles_at_torque(torques).sum(axis=-1) / self.upper.sum(), torques

@@ -32,13 +32,22 @@ def wrist_noise(time_s: float, seed: int, settings: WristNoiseSettings | None = 
     White noise is drawn anew every microsecond; the drift is a sum of three sinusoids with
     periods of 23 to 67 s whose phases the seed draws.
     """
-    settings = settings or WristNoiseSettings()
-    white = np.array([settings.torque_std_nm] * 3 + [settings.force_std_n] * 3)
-    drift = np.array([settings.torque_drift_nm] * 3 + [settings.force_drift_n] * 3)
-    slow = np.sin(2.0 * np.pi * time_s / _PERIODS_S + _phases(seed)).mean(axis=1)
+    s = settings or WristNoiseSettings()
     tick = max(0, round(time_s * 1e6)) + 1
-    noise: Array = drift * slow + white * _normals(seed, tick)
+    noise: Array = _normals(seed, tick)
+    noise[:3] = s.torque_std_nm * noise[:3]
+    noise[3:] = s.force_std_n * noise[3:]
+    _add_drift(noise, time_s, _phases(seed), s.torque_drift_nm, s.force_drift_n)
     return noise
+
+
+@njit(cache=True)
+def _add_drift(noise: Array, time_s: float, phases: Array, torque: float, force: float) -> None:
+    for i in range(6):
+        slow = 0.0
+        for k in range(len(_PERIODS_S)):
+            slow += np.sin(2.0 * np.pi * time_s / _PERIODS_S[k] + phases[i, k])
+        noise[i] += (torque if i < 3 else force) * slow / len(_PERIODS_S)
 
 
 @njit(cache=True)
