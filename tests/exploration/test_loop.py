@@ -15,6 +15,7 @@ from vh_drake.exploration.strategies import (
     Random,
     UncertaintyCost,
 )
+from vh_drake.exploration.tuned import tuned
 from vh_drake.geometry.closest_points import closest_points
 from vh_drake.geometry.meshes import from_trimesh
 from vh_drake.gpis.observations import surface_observations
@@ -53,6 +54,15 @@ def test_the_way_is_at_least_as_long_as_the_crow_flies():
     result = explore(BALL, seed=0)
     tips = np.array([result.start.p_WTip, *(step.known.p_WTip for step in result.steps)])
     assert (np.diff(result.lengths_m) >= np.linalg.norm(np.diff(tips, axis=0), axis=1) - 1e-9).all()
+
+
+@pytest.mark.parametrize("strategy", ["igef", "gp_variance", "random"])
+def test_a_handle_is_found_beyond_an_estimate_that_has_closed_around_its_root(strategy):
+    handle = trimesh.creation.cylinder(0.006, 0.16, sections=24).apply_translation((0, 0, 0.08))
+    knob = trimesh.creation.icosphere(3, 0.02)
+    body = make_body(from_trimesh(trimesh.util.concatenate([knob, handle])), np.zeros(3))
+    ends = [explore(body, tuned(strategy), seed=seed).end for seed in range(6)]
+    assert ends.count("goal") >= 5
 
 
 def test_what_gains_nothing_ends_the_exploration():

@@ -5,6 +5,7 @@ import pytest
 
 from vh_drake.exploration.ratings import IgefSettings
 from vh_drake.exploration.strategies import (
+    Facing,
     GpVariance,
     Igef,
     PotentialField,
@@ -59,6 +60,19 @@ def test_igef_touches_at_about_its_distance():
 
 def test_variance_goes_as_far_as_it_can():
     assert np.linalg.norm(best(GpVariance(), plane())) == pytest.approx(0.06 * np.sqrt(2))
+
+
+def test_a_place_that_faces_as_no_contact_nearby_stands_out():
+    situation = plane([[0.0, 0.0, 0.0], [0.05, 0.05, 0.0]])
+    n = situation.n.copy()
+    near = int(np.argmin(np.linalg.norm(situation.p - [0.01, 0.0, 0.0], axis=1)))
+    n[near] = [0.0, 1.0, 0.0]
+    rating = Facing().rate(replace(situation, n=n))
+    assert rating[near] == pytest.approx(1.0)
+    assert int(np.argmax(rating)) == near
+    rating = Facing(width_m=0.03).rate(situation)
+    distance = np.linalg.norm(situation.p[:, None] - situation.contacts.p_WC, axis=2).min(axis=1)
+    np.testing.assert_allclose(rating, 1.0 - np.exp(-((distance / 0.03) ** 2)), atol=1e-12)
 
 
 def test_variance_finds_the_highest_although_it_looks_at_few_candidates_first():

@@ -10,7 +10,7 @@ from vh_drake.errors import UnknownName
 from vh_drake.exploration.bulges import bulge
 from vh_drake.exploration.detour import way_around
 from vh_drake.exploration.explorer import ExplorerSettings, Known
-from vh_drake.exploration.strategies import GpVariance, Situation
+from vh_drake.exploration.strategies import Facing, Situation
 from vh_drake.gpis.following import Sheet, follow_surface
 from vh_drake.gpis.posterior import Posterior
 from vh_drake.types import Array, Immutable, IntArray
@@ -20,6 +20,7 @@ DEPARTURES = ["contact_normal", "inverse_velocity"]
 _BATCH = 16  # curves that are checked at once
 _AROUND_M = 0.03  # how far a way around keeps off all that is known
 _LEG_M = 0.05  # of the straight end of a way around that has to be free
+_ASIDE_AT_LAST_M = 0.005  # around targets set aside, once nothing is fresh
 _MOST_MARGIN_M = 0.05  # to which the margin grows
 _WHOLE_M = 0.5  # a candidate radius from which on the whole surface is taken
 _CHECKED = np.linspace(0.1, 0.9, 9)[:, None]  # places of a curve that have to be free
@@ -61,8 +62,9 @@ def choose_touch(known: Known, settings: ExplorerSettings, *, seed: int) -> Choi
 
     The best rated candidate is taken whose curve keeps off the estimate. Where there is none, and
     after barren touches in a row, one away from here is reached by a way around the object instead.
-    Where nothing is fresh any more, the variance decides whatever the strategy is: the rest of the
-    object lies where the estimate knows least.
+    Where nothing is fresh any more, places that face as no contact nearby does are touched whatever
+    the strategy is, each on a way from outside along its normal: the estimate closes over what it
+    does not know, and whatever sticks out there stands in this way.
 
     Args:
         known: so far.
@@ -76,9 +78,9 @@ def choose_touch(known: Known, settings: ExplorerSettings, *, seed: int) -> Choi
     situation, fresh = _candidates(known, settings, seed, anywhere=stuck)
     if len(situation.p) == 0:
         return None
-    rating = (settings.strategy if fresh else GpVariance()).rate(situation)
+    rating = (settings.strategy if fresh else Facing()).rate(situation)
     order = np.argsort(-rating, kind="stable")
-    if not stuck:
+    if fresh and not stuck:
         for start in range(0, len(order), _BATCH):
             batch = order[start : start + _BATCH]
             curves = situation.curves_to(batch)
@@ -87,7 +89,9 @@ def choose_touch(known: Known, settings: ExplorerSettings, *, seed: int) -> Choi
                 i = int(np.argmax(free))
                 return Choice(situation.p, situation.n, rating, int(batch[i]), curves[i : i + 1])
     best = _reachable_from_outside(situation, order, settings)
-    return Choice(situation.p, situation.n, rating, best, _way_around(situation, best, settings))
+    tried = max(known.barren - settings.most_barren, 0)
+    way = _way_around(situation, best, settings, tried)
+    return Choice(situation.p, situation.n, rating, best, way)
 
 
 def candidates(known: Known, settings: ExplorerSettings, *, seed: int = 0) -> Situation:
@@ -142,8 +146,7 @@ def _offered(
     radius, margin = np.inf if anywhere else s.candidate_radius_m, s.margin_m
     while True:
         sheet = _sheet(known, s, radius, margin)
-        allowed = _not_set_aside(sheet.vertices, known, s)
-        allowed = _elsewhere(allowed, sheet.vertices, known, s) if anywhere else allowed
+        allowed = _allowed(sheet.vertices, known, s, s.set_aside_m, anywhere=anywhere)
         fresh = allowed & (cKDTree(known.contacts.p_WC).query(sheet.vertices)[0] >= s.fresh_m)
         high = bulge(sheet.vertices, known.contacts, within_m=s.bulge_within_m)
         likely = fresh & (high <= s.bulge_m)
@@ -152,7 +155,8 @@ def _offered(
         if radius == np.inf:
             margin = min(2.0 * margin, _MOST_MARGIN_M)
         radius = 2.0 * radius if 2.0 * radius < _WHOLE_M else np.inf
-    chosen = next((some for some in (likely, fresh, allowed) if some.any()), ~allowed)
+    rest = _allowed(sheet.vertices, known, s, _ASIDE_AT_LAST_M, anywhere=anywhere)
+    chosen = next((some for some in (likely, fresh, rest) if some.any()), ~rest)
     return sheet, chosen, bool(fresh.any())
 
 
@@ -168,10 +172,14 @@ def _sheet(known: Known, s: ExplorerSettings, radius: float, margin: float) -> S
     return Sheet(sheet.vertices[kept], sheet.normals[kept])
 
 
-def _not_set_aside(p: Array, known: Known, s: ExplorerSettings) -> NDArray[np.bool_]:
-    if len(known.set_aside) == 0:
-        return np.ones(len(p), bool)
-    return np.asarray(cKDTree(known.set_aside).query(p)[0] >= s.set_aside_m)
+def _allowed(
+    p: Array, known: Known, s: ExplorerSettings, aside_m: float, *, anywhere: bool
+) -> NDArray[np.bool_]:
+    """Places away from targets that led to barren touches; away from here if `anywhere`."""
+    allowed = np.ones(len(p), bool)
+    if len(known.set_aside):
+        allowed = np.asarray(cKDTree(known.set_aside).query(p)[0] >= aside_m)
+    return _elsewhere(allowed, p, known, s) if anywhere else allowed
 
 
 def _elsewhere(
@@ -206,20 +214,21 @@ def _reachable_from_outside(s: Situation, order: IntArray, settings: ExplorerSet
     return int(order[0])
 
 
-def _way_around(s: Situation, chosen: int, settings: ExplorerSettings) -> Array:
-    """Curves that lead to a candidate around all contacts."""
+def _way_around(s: Situation, chosen: int, settings: ExplorerSettings, tried: int) -> Array:
+    """Curves that lead to a candidate around all contacts, out by another way than those tried."""
     p_to = s.p[chosen] + s.tip_radius_m * s.n[chosen]
     known = np.vstack([s.contacts.p_WC, s.p_WTip, p_to])
     center = 0.5 * (known.min(axis=0) + known.max(axis=0))
     radius = float(np.linalg.norm(known - center, axis=1).max()) + _AROUND_M
-    leave = _way_out(s, radius, settings)
+    leave = _way_out(s, radius, settings, tried)
     return way_around(s.p_WTip, leave, p_to, s.n[chosen], center=center, radius_m=radius)
 
 
-def _way_out(s: Situation, reach_m: float, settings: ExplorerSettings) -> Array:
+def _way_out(s: Situation, reach_m: float, settings: ExplorerSettings, tried: int) -> Array:
     """The direction (3,) out of a cavity: off all contacts around, best where nothing is expected.
 
-    Where contacts lie on two sides, the departure from the last one leads to the other.
+    Where contacts lie on two sides, the departure from the last one leads to the other. After so
+    many directions were tried in vain the next one is taken.
     """
     p, n = s.contacts.p_WC, s.contacts.n_WC
     near = np.linalg.norm(p - p[-1], axis=1) < settings.cavity_m
@@ -231,5 +240,6 @@ def _way_out(s: Situation, reach_m: float, settings: ExplorerSettings) -> Array:
     places = s.p_WTip + way[:, None] * directions[:, None]
     least = s.posterior.mean(places.reshape(-1, 3)).reshape(places.shape[:2]).min(axis=1)
     free = (least > settings.clearance_m) & (np.sort(off)[::-1] > 0.1)
-    direction: Array = directions[int(np.argmax(free))]
+    open_ways = np.flatnonzero(free) if free.any() else np.arange(len(directions))
+    direction: Array = directions[open_ways[tried % len(open_ways)]]
     return direction

@@ -117,6 +117,27 @@ class GpVariance:
 
 
 @dataclass(frozen=True)
+class Facing:
+    r"""How differently a place faces from the contacts around it.
+
+    .. math:: 1 - \max_j (n \cdot n_j) \exp(-|p - c_j|^2 / w^2)
+
+    Where an estimate is explored all over though the object goes on, as at the root of a handle,
+    it closes over the part that is missing, and this end faces as no contact nearby does.
+    """
+
+    width_m: float = 0.04  # w
+
+    def rate(self, situation: Situation) -> Array:
+        """0 at a contact, up to 2 where the nearest contacts face the other way (m,)."""
+        s = situation
+        apart = cdist(s.p, s.contacts.p_WC) / self.width_m
+        alike = (s.n @ s.contacts.n_WC.T) * np.exp(-(apart**2))
+        rating: Array = 1.0 - alike.max(axis=1)
+        return rating
+
+
+@dataclass(frozen=True)
 class Random:
     """Chance: every candidate with the same probability."""
 
