@@ -15,9 +15,11 @@ from vh_drake.types import Array, Immutable, TouchPlan
 
 PERIOD_S = 0.01
 STALL = 0.03  # share of its travel by which a stalled motor lags behind its command
-# A closing hand yields to forces on it, level, at a speed for each newton over a threshold that
-# its own motion does not reach.
+# A closing hand yields to forces on it, level and up, at a speed for each newton over thresholds
+# that its own motion does not reach; fingers that are pressed on a table push it up with 10 N,
+# and with 25 N as they pull.
 YIELD_M_S_N, YIELD_OVER_N, YIELD_MOST_M_S, YIELD_MOST_M = 0.01, 1.0, 0.02, 0.02
+PRESS_OVER_N = 30.0
 SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.004, 0.03, 2.0
 
 
@@ -66,6 +68,15 @@ def _shifted(X_WH: Array, shift: Array) -> Array:
     return X
 
 
+def _given_way(force: Array, over_n: float) -> Array:
+    """Velocity (3,) with which a hand yields to a force (3,) over a threshold [m/s]."""
+    size = float(np.linalg.norm(force))
+    if size <= over_n:
+        return np.zeros(3)
+    way: Array = min(YIELD_M_S_N * (size - over_n), YIELD_MOST_M_S) / size * force
+    return way
+
+
 def _with_leg(run: _Run, leg: Leg) -> _Run:
     """The run with its current leg replaced."""
     legs = (*run.program.legs[: run.leg], leg, *run.program.legs[run.leg + 1 :])
@@ -110,10 +121,12 @@ class GraspExecutor(CollectableSystem):
     | touch_plan         | out       | TouchPlan      | m    | the curve for it                    |
     | progress           | out       | Progress       | -    | last program ended, leg, felt       |
 
-    In a closing leg the hand follows the fingers' measured travel until a motor stalls: from
-    then on the fingers are not where their motors say, and the hand stands still, or it would
-    press the object into the table. It yields, level, to forces that push it: an object that
-    one finger meets before its opponents brings the hand over itself. A tape does neither.
+    In a closing leg the hand follows the fingers' measured travel until a motor stalls, or
+    something pushes the hand up hard: from then on the fingers are not where their motors say,
+    and the hand stands still, or it would press the object into the table. In a leg that stands
+    it does so from the beginning. It yields, level, to forces that push it: an object that one
+    finger meets before its opponents brings the hand over itself; and up, where the table or a
+    tall object pushes hard. A tape does not.
 
     A leg ends when its time is over and the hand has arrived (or is late by 2 s), a guarded
     leg also at a contact. Where a leg ends with less weight on the wrist than it wants, its other
@@ -188,17 +201,16 @@ class GraspExecutor(CollectableSystem):
 
     def _yielding(self, context: Context, run: _Run) -> _Run:
         """The run after a period in which the hand gave way to the force on it."""
-        force = self._force.Eval(context) * [1.0, 1.0, 0.0]
-        size = float(np.linalg.norm(force))
-        if size <= YIELD_OVER_N:
-            return run
-        run = dc.replace(run, resisted=run.resisted + force)
+        force = np.asarray(self._force.Eval(context))
+        level, up = force * [1.0, 1.0, 0.0], np.maximum(force, 0.0) * [0.0, 0.0, 1.0]
+        if np.linalg.norm(level) > YIELD_OVER_N:
+            run = dc.replace(run, resisted=run.resisted + level)
         if run.current is None or not run.current.yields:
             return run
-        speed = min(YIELD_M_S_N * (size - YIELD_OVER_N), YIELD_MOST_M_S)
-        shift = run.shift + speed * PERIOD_S * force / size
-        if np.linalg.norm(shift) > YIELD_MOST_M:
-            shift = run.shift
+        velocity = _given_way(level, YIELD_OVER_N) + _given_way(up, PRESS_OVER_N)
+        shift = run.shift + velocity * PERIOD_S
+        if not velocity.any() or np.linalg.norm(shift) > YIELD_MOST_M:
+            return run
         return dc.replace(run, shift=shift)
 
     def _begin(self, context: Context, run: _Run) -> _Run:
@@ -216,6 +228,8 @@ class GraspExecutor(CollectableSystem):
         held = None
         if leg.closing and run.held is not None:
             held = _shifted(run.held, run.shift)
+        elif leg.stands:
+            held = X_WH0
         return dc.replace(
             run,
             since_s=context.get_time(),
@@ -280,12 +294,12 @@ class GraspExecutor(CollectableSystem):
         return (1.0 - share) * run.motors0 + share * leg.motors
 
     def _stalls(self, context: Context, run: _Run) -> bool:
-        """Whether an object stops a motor of a closing hand for the first time."""
+        """Whether an object stops a closing hand, or a motor of it, for the first time."""
         leg = run.current
         if leg is None or run.held is not None or leg.motors.max() < 1e-9:
             return False  # An opening hand leaves what stops it.
         lag = self._motors(context, run) - self._fraction.Eval(context)
-        return bool(lag.max() > STALL)
+        return bool(lag.max() > STALL or self._force.Eval(context)[2] > PRESS_OVER_N)
 
     def _closing_pose(self, context: Context, run: _Run) -> Array:
         """The hand pose (4, 4) that goes with the fingers' measured travel."""

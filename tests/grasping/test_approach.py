@@ -101,9 +101,22 @@ def test_a_collecting_grasp_gathers_first(side_grasps):
     assert grasp is not None
     legs = {leg.name: leg for leg in grasp[1]}
     assert "down beside the object" not in legs
-    half = right_hand().motor_fractions(SETTINGS.gather_fingers, SETTINGS.gather_thumb)
-    np.testing.assert_array_equal(legs["gather"].motors, half)
-    assert all(legs[name].closing == "collect" for name in ("gather", "close", "squeeze"))
+    pressing = right_hand().description.pressing
+    np.testing.assert_array_equal(legs["gather"].motors, pressing.gathered)
+    np.testing.assert_array_equal(legs["press"].motors, pressing.pressed)
+    names = ("gather", "press", "close", "squeeze")
+    assert all(legs[name].closing == "collect" for name in names)
+    assert [legs[name].stands for name in names] == [False, False, True, True]
+
+
+def test_a_hand_that_does_not_press_closes_by_the_settings():
+    hand = right_hand()
+    hand = dc.replace(hand, description=dc.replace(hand.description, pressing=None))
+    legs = closing_legs(np.eye(4), "collect", hand, SETTINGS)
+    assert [leg.name for leg in legs] == ["gather", "close", "squeeze", "lift", "hold"]
+    half = hand.motor_fractions(SETTINGS.gather_fingers, SETTINGS.gather_thumb)
+    np.testing.assert_array_equal(legs[0].motors, half)
+    assert not any(leg.stands for leg in legs)
 
 
 def test_an_open_loop_plays_a_tape_and_a_closed_one_does_not():
@@ -112,7 +125,7 @@ def test_an_open_loop_plays_a_tape_and_a_closed_one_does_not():
         settings = dc.replace(SETTINGS, closing=closing, yields=True, weigh_m=0.02)
         legs = closing_legs(X_WH, "collect", hand, settings)
         fingers = [leg for leg in legs if leg.closing]
-        assert [leg.name for leg in fingers] == ["gather", "close", "squeeze"]
+        assert [leg.name for leg in fingers] == ["gather", "press", "close", "squeeze"]
         assert all(leg.tape == tape and leg.yields != tape for leg in fingers)
         assert any(leg.otherwise for leg in legs) != tape
         assert sum(leg.rise_m or 0.0 for leg in legs) == pytest.approx(SETTINGS.lift_m)

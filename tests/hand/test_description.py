@@ -168,6 +168,8 @@ def test_a_huge_file_is_refused_in_bounded_time(folder, size, text):
         ({"closing": [0.0, 0.0, 0.0]}, "no length"),
         ({"palm": [float("inf"), 0.0, 0.0]}, "palm"),
         ({"model": "missing.sdf"}, "no model file"),
+        ({"pressing": {"gathered": [0.4], "pressed": [0.4, 0.5]}}, "pressing.gathered"),
+        ({"pressing": {"gathered": [0.4, 0.3], "pressed": [0.4, 1.5]}}, "pressing.pressed"),
     ],
 )
 def test_an_incomplete_hand_is_refused_by_name(folder, changes, message):

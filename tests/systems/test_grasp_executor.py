@@ -13,6 +13,7 @@ from vh_drake.hand.program import Leg, MotionProgram, interpolate, smooth
 from vh_drake.systems.grasp_executor import (
     PATIENCE_S,
     PERIOD_S,
+    PRESS_OVER_N,
     YIELD_MOST_M,
     YIELD_MOST_M_S,
     YIELD_OVER_N,
@@ -235,6 +236,29 @@ def test_a_yielding_hand_moves_level_with_the_force_on_it_and_not_far():
     assert np.linalg.norm(target(leaf)[:3, 3] - HOME[:3, 3]) <= YIELD_MOST_M
     weak = executor(leg, force=[0.9 * YIELD_OVER_N, 0.0, 20.0]).advance(0.5)
     np.testing.assert_allclose(target(weak), HOME, atol=1e-12)
+
+
+def test_a_hand_that_is_pushed_up_hard_stops_following_its_fingers_and_rises():
+    leg = Leg("press", HOME, np.array([0.44, 0.5]), 1.0, closing="collect", yields=True)
+    leaf = executor(leg, motor_fraction=[0.4, 0.3], force=[0.0, 0.0, 0.9 * PRESS_OVER_N])
+    leaf.advance(2 * PERIOD_S).fix(motor_fraction=[0.42, 0.4])
+    leaf.advance(2 * PERIOD_S)
+    followed = target(leaf)
+    assert np.linalg.norm(followed[:3, 3] - HOME[:3, 3]) > 0.005
+    leaf.fix(force=[0.0, 0.0, 1.2 * PRESS_OVER_N]).advance(2 * PERIOD_S)
+    leaf.fix(motor_fraction=[0.44, 0.5]).advance(0.2)
+    assert followed[2, 3] < target(leaf)[2, 3] < followed[2, 3] + YIELD_MOST_M
+    np.testing.assert_allclose(target(leaf)[:2, 3], followed[:2, 3], atol=1e-12)
+    np.testing.assert_allclose(target(leaf)[:3, :3], followed[:3, :3], atol=1e-12)
+
+
+def test_a_hand_that_stands_while_it_closes_follows_no_finger():
+    leg = Leg("close", HOME, CLOSED, 5.0, closing="collect", yields=True, stands=True)
+    leaf = executor(leg, motor_fraction=[0.4, 0.4])
+    leaf.fix(motor_fraction=[0.6, 0.5]).advance(0.1)
+    np.testing.assert_allclose(target(leaf), HOME, atol=1e-12)
+    leaf.fix(force=[3.0, 0.0, 0.0]).advance(0.1)
+    assert target(leaf)[0, 3] > HOME[0, 3]
 
 
 def weighing(force):

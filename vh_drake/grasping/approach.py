@@ -33,9 +33,10 @@ class GraspMotionSettings:
     safe_height_m: float = 0.04  # of the lowest finger over the object in transit
     least_transit_m: float = 0.24  # lowest transit height of the hand frame over the table
     guard_n: float = 4.0  # force that ends the approach
-    gather_s: float = 1.2  # fingers to half, thumb to a fifth
+    gather_s: float = 1.2  # fingers to half, thumb to a fifth, or as the hand's description has it
+    press_s: float = 0.8  # of a hand that presses
     close_s: float = 0.8
-    squeeze_s: float = 0.4
+    squeeze_s: float = 0.6
     gather_fingers: float = 0.5
     gather_thumb: float = 0.2
     closing: str = "closed_loop"  # of CLOSINGS
@@ -207,12 +208,26 @@ def _finger_legs(
     """The fingers close on the object."""
     tape, closed = s.closing == "open_loop", hand.motor_fractions(1.0, 1.0)
     named = [("close", closed, s.close_s), ("squeeze", closed, s.squeeze_s)]
-    if motion == "collect":
+    pressing = hand.description.pressing if motion == "collect" else None
+    if pressing is not None:
+        named = [
+            ("gather", hand.motor_fractions(*pressing.gathered), s.gather_s),
+            ("press", hand.motor_fractions(*pressing.pressed), s.press_s),
+            ("close", hand.motor_fractions(1.0, pressing.held_thumb), s.close_s),
+            ("squeeze", closed, s.squeeze_s),
+        ]
+    elif motion == "collect":
         half = hand.motor_fractions(s.gather_fingers, s.gather_thumb)
         named.insert(0, ("gather", half, s.gather_s))
-    yields = s.yields and not tape
+    leg = Leg(X_WH=X_WH, closing=motion, tape=tape, yields=s.yields and not tape)
     return tuple(
-        Leg(name, X_WH, motors, duration, closing=motion, tape=tape, yields=yields)
+        dc.replace(
+            leg,
+            name=name,
+            motors=motors,
+            duration_s=duration,
+            stands=pressing is not None and name in ("close", "squeeze"),
+        )
         for name, motors, duration in named
     )
 

@@ -2,6 +2,7 @@
 
 CLOSING = (
     "gather",
+    "press",
     "close",
     "squeeze",
     "lift",

@@ -36,6 +36,18 @@ class Motor:
 
 
 @dc.dataclass
+class Pressing:
+    """Travel of a hand that gathers with its fingertips along the table and then presses on it.
+
+    Shares of the motors' travel, first of the fingers, then of the thumb.
+    """
+
+    gathered: list[float] = dc.field(default_factory=list)
+    pressed: list[float] = dc.field(default_factory=list)  # around the object, before it is held
+    held_thumb: float = 0.0  # of the thumb, as the fingers pull
+
+
+@dc.dataclass
 class HandDescription:
     """A hand model's links, joints, motors, tool centre points and directions.
 
@@ -52,6 +64,8 @@ class HandDescription:
     closing: list[float] = dc.field(default_factory=list)  # in which the fingers close
     palm: list[float] = dc.field(default_factory=list)  # out of the palm
     along: list[float] = dc.field(default_factory=list)  # from wrist to fingertips
+    # How it collects what lies on a table; without it, it does not press on the table.
+    pressing: Pressing | None = None
 
 
 def load_hand(path: str | Path) -> HandDescription:
@@ -69,7 +83,12 @@ def load_hand(path: str | Path) -> HandDescription:
     """
     path = Path(path)
     hand = load_typed(HandDescription, path)
-    problems = [*_finger_problems(hand), *_motor_problems(hand), *_vector_problems(hand)]
+    problems = [
+        *_finger_problems(hand),
+        *_motor_problems(hand),
+        *_vector_problems(hand),
+        *_pressing_problems(hand.pressing),
+    ]
     if problems:
         raise BadInput(f"{path}: " + "; ".join(problems[:MOST_PROBLEMS]))
     hand.model = str(_model_file(hand.model, path))
@@ -132,6 +151,18 @@ def _vector_problems(hand: HandDescription) -> list[str]:
     return [
         f"{name} needs 3 finite values" for name, value in vectors.items() if not _is_vector(value)
     ] + [f"{name} has no length" for name, value in directions.items() if value and not any(value)]
+
+
+def _pressing_problems(pressing: Pressing | None) -> list[str]:
+    if pressing is None:
+        return []
+    pairs = {"gathered": pressing.gathered, "pressed": pressing.pressed}
+    shares = {**pairs, "held_thumb": [pressing.held_thumb, 0.0]}
+    return [
+        f"pressing.{name} must be {'a share' if name == 'held_thumb' else 'two shares'} in 0..1"
+        for name, values in shares.items()
+        if len(values) != 2 or not all(0.0 <= value <= 1.0 for value in values)
+    ]
 
 
 def _is_vector(values: list[float]) -> bool:

@@ -29,8 +29,10 @@ class Leg(Immutable):
     closing: str = ""
     # In a closing leg: the hand follows the commanded travel instead, whatever the fingers meet.
     tape: bool = False
-    # In a closing leg: the hand gives way, level, to forces on it.
+    # In a closing leg: the hand gives way, level and up, to forces on it.
     yields: bool = False
+    # In a closing leg: the hand stays where the leg before left it.
+    stands: bool = False
     # The hand moves level by this towards what resisted the closing fingers; not at all where
     # nothing did.
     seek_m: float = 0.0
