@@ -265,6 +265,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "What touch, metric, planners and approaches are worth, in paired trials.",
         (*_LIFTS, "scenes"),
     ),
+    "stages-by-hand": Entry(
+        "vh_drake.experiments.stages_by_hand",
+        "The same with very many lifts by the hand alone.",
+        ("objects", "split", "scenes"),
+    ),
     "robustness": Entry(
         "vh_drake.experiments.robustness",
         "Lift success under friction, mass, noise and calibration errors, one at a time.",

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from learning_scenes import can_scene
 from scenery import right_hand
+from sklearn.ensemble import ExtraTreesClassifier
 
 from vh_drake.errors import BadInput
 from vh_drake.gpis.surface import estimate_surface
@@ -12,20 +13,22 @@ from vh_drake.learning.calibration import auc
 from vh_drake.learning.features import fused_points
 from vh_drake.learning.hints import hints_on_estimate
 from vh_drake.learning.lift_inputs import INPUTS, lift_inputs
-from vh_drake.learning.lift_model import load_lift_model, save_lift_model
+from vh_drake.learning.lift_model import golden_rates, load_lift_model, save_lift_model
 from vh_drake.learning.lift_training import (
     LiftSamples,
     LiftTrainingSettings,
     figures,
     fitted,
     folds,
+    grown,
     lift_samples,
     scene_inputs,
 )
-from vh_drake.learning.metric import Prediction
+from vh_drake.learning.metric import Prediction, load_metric, shipped_weights
+from vh_drake.learning.training_objects import VALIDATION_KINDS
 from vh_drake.types import Candidates
 
-QUICK = LiftTrainingSettings(networks=3, hidden=8, steps=150)
+QUICK = LiftTrainingSettings(trees=40)
 
 
 def samples(count=1800, seed=0):
@@ -46,7 +49,7 @@ def model():
 
 def test_a_fitted_model_foretells_lifts_of_objects_it_never_saw(model):
     other = samples(2000, seed=1)
-    told = model.probability(other.inputs)
+    told = model.rate(other.inputs)[0]
     assert auc(told, other.lifted) > 0.8
     assert abs(told.mean() - other.lifted.mean()) < 0.06
     assert 0.8 < model.card["unknown_objects"]["auc"] < 0.99
@@ -54,18 +57,26 @@ def test_a_fitted_model_foretells_lifts_of_objects_it_never_saw(model):
     assert figures(model)["objects"] == 12
 
 
-def test_the_spread_tells_whether_networks_agree(model):
+def test_trees_say_what_scikit_learn_s_say():
+    learnt, other = samples(400), samples(200, seed=3).inputs.astype(np.float32)
+    forest = ExtraTreesClassifier(
+        QUICK.trees, min_samples_leaf=QUICK.leaf, max_features=QUICK.inputs_share, random_state=0
+    )
+    expected = forest.fit(learnt.inputs.astype(np.float32), learnt.lifted).predict_proba(other)
+    shares = grown(learnt.inputs, learnt.lifted, QUICK).shares(other)
+    np.testing.assert_allclose(shares.mean(axis=1), expected[:, 1], atol=1e-6)
+
+
+def test_trees_that_are_all_alike_do_not_disagree(model):
+    one = dc.replace(model.trees, root=np.repeat(model.trees.root[:1], 4))
     inputs = samples(100, seed=3).inputs
-    assert model.spread(inputs).min() > 0
-    assert model.spread(inputs).max() < 0.5
-    names = ("hidden", "hidden_offset", "out", "out_offset")
-    alike = {name: np.repeat(getattr(model, name)[:1], 4, axis=0) for name in names}
-    np.testing.assert_allclose(dc.replace(model, **alike).spread(inputs), 0, atol=1e-12)
+    np.testing.assert_allclose(dc.replace(model, trees=one).rate(inputs)[1], 0, atol=1e-6)
+    assert 0.1 < model.rate(inputs)[1].mean() < 0.5
 
 
 def test_the_same_samples_give_the_same_model(model):
     again = fitted(samples(), QUICK)
-    np.testing.assert_array_equal(again.hidden, model.hidden)
+    np.testing.assert_array_equal(again.trees.threshold, model.trees.threshold)
     assert again.calibration == model.calibration
 
 
@@ -74,12 +85,25 @@ def test_a_model_survives_its_file_and_another_file_is_refused(model, tmp_path):
     save_lift_model(path, model)
     inputs = samples(20, seed=2).inputs
     read = load_lift_model(path)
-    np.testing.assert_array_equal(read.probability(inputs), model.probability(inputs))
-    save_lift_model(path, dc.replace(model, mean=model.mean[1:], hidden=model.hidden[:, 1:]))
-    with pytest.raises(BadInput, match="lift model"):
-        load_lift_model(path)
+    np.testing.assert_allclose(read.rate(inputs), model.rate(inputs), atol=1e-6)
+    for name, value in (("left", len(model.trees.left)), ("right", -1), ("feature", INPUTS)):
+        wrong = getattr(model.trees, name).copy()
+        wrong[3] = value
+        save_lift_model(path, dc.replace(model, trees=dc.replace(model.trees, **{name: wrong})))
+        with pytest.raises(BadInput, match="lead nowhere"):
+            load_lift_model(path)
     with pytest.raises(BadInput, match="train anew"):
         load_lift_model(tmp_path / "none.safetensors")
+    with pytest.raises(BadInput, match="no lift model"):
+        load_lift_model(shipped_weights())
+
+
+def test_the_shipped_model_says_what_its_card_says():
+    shipped, metric = load_lift_model(), load_metric()
+    np.testing.assert_allclose(golden_rates(shipped), shipped.card["golden"], atol=1e-5)
+    assert shipped.card["hand"] == metric.card["hand"]
+    assert not VALIDATION_KINDS & set(shipped.card["objects"])
+    assert shipped.card["unknown_objects"]["auc"] > 0.8
 
 
 def test_parts_of_the_objects_share_no_object():

@@ -10,7 +10,7 @@ from vh_drake.grasping.closure_rate import PerturbationSettings
 from vh_drake.grasping.field import object_field
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
-from vh_drake.grasping.scoring import ScoringSettings, rate_candidates, score_candidates
+from vh_drake.grasping.scoring import ScoringSettings, score_candidates
 from vh_drake.learning.calibration import Calibration
 from vh_drake.learning.labels import (
     LabelSettings,
@@ -18,10 +18,12 @@ from vh_drake.learning.labels import (
     nominal_closure,
     nominal_epsilon,
 )
+from vh_drake.learning.lift_model import LiftModel, Trees
 from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.network import GraspNetwork
 from vh_drake.scenes.rating import (
     conventional_scorer,
+    learned_rating,
     learned_scorer,
     make_scorer,
     scorer_in_use,
@@ -59,19 +61,35 @@ def test_the_conventional_scorer_rates_on_the_seen_table_with_its_seed(candidate
     assert len(scores.score) == len(candidates)
 
 
-def test_learned_scores_keep_what_is_known_of_lying_well_in_the_hand(
+def test_the_learned_score_is_what_the_lift_model_makes_of_the_metric_s_word(
     candidates, estimate, untrained
 ):
-    hand, view = right_hand(), can_view()
-    sure = dc.replace(untrained, calibration=Calibration(slope=0.0, offset=50.0))
-    scores = learned_scorer(sure, hand, 3)(candidates, estimate, view, NONE)
-    rating = rate_candidates(candidates, estimate, view.table, hand, SETTINGS, 3)
-    sense = rating.centered * rating.held * rating.placed
-    np.testing.assert_allclose(scores.score, sense, atol=1e-6)
+    lift, scene = lift_model(), (candidates, estimate, can_view(), NONE)
+    rating = learned_rating(untrained, lift, right_hand(), 3, scene)
+    likely = rating.told.success > 0.5  # which one of the two trees asks for
+    np.testing.assert_allclose(rating.lift, np.where(likely, 0.7, 0.3), atol=1e-6)
+    np.testing.assert_allclose(rating.spread, 0.2, atol=1e-6)
+    scores = learned_scorer(untrained, lift, right_hand(), 3)(*scene)
+    np.testing.assert_array_equal(scores.score, rating.lift)
+    np.testing.assert_array_equal(scores.standard_error, rating.spread)
+
+
+def lift_model():
+    """One tree that looks at the metric's word, and one that always says a half."""
+    trees = Trees(
+        root=np.array([0, 3]),
+        feature=np.zeros(4, np.int32),
+        threshold=np.zeros(4),
+        left=np.array([1, 1, 2, 3]),
+        right=np.array([2, 1, 2, 3]),
+        share=np.array([0.5, 0.1, 0.9, 0.5]),
+        depth=1,
+    )
+    return LiftModel(trees, Calibration(), {})
 
 
 def test_the_same_seed_gives_the_same_learned_scores(candidates, estimate, untrained):
-    score = learned_scorer(untrained, right_hand(), 3)
+    score = learned_scorer(untrained, lift_model(), right_hand(), 3)
     first, again = (score(candidates, estimate, can_view(), NONE) for _ in range(2))
     np.testing.assert_array_equal(first.score, again.score)
     np.testing.assert_array_equal(first.standard_error, again.standard_error)
@@ -81,16 +99,19 @@ def test_the_same_seed_gives_the_same_learned_scores(candidates, estimate, untra
 
 
 def test_no_candidates_give_no_scores(estimate, untrained):
-    scores = learned_scorer(untrained, right_hand(), 0)(Candidates(), estimate, can_view(), NONE)
+    scores = learned_scorer(untrained, lift_model(), right_hand(), 0)(
+        Candidates(), estimate, can_view(), NONE
+    )
     assert len(scores.score) == 0
 
 
 def test_a_touch_changes_what_the_learned_metric_says(candidates, estimate, untrained):
-    score = learned_scorer(untrained, right_hand(), 3)
+    def told(contacts):
+        scene = (candidates, estimate, can_view(), contacts)
+        return learned_rating(untrained, lift_model(), right_hand(), 3, scene).told.success
+
     touched = ContactSet(np.array([[0.745, -0.3, 0.95]]), np.array([[1.0, 0.0, 0.0]]))
-    before = score(candidates, estimate, can_view(), NONE)
-    after = score(candidates, estimate, can_view(), touched)
-    assert not np.array_equal(before.score, after.score)
+    assert not np.array_equal(told(NONE), told(touched))
 
 
 def test_a_hand_that_the_metric_never_learnt_with_is_rated_conventionally(candidates, estimate):

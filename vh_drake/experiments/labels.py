@@ -8,7 +8,6 @@ robot can know (the same on the estimate, the learned metric, and what the score
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,37 +16,30 @@ from matplotlib.figure import Figure
 
 from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
-from vh_drake.errors import BadInput, NothingSeen
 from vh_drake.experiments.figure_files import save_figure
-from vh_drake.experiments.lift_trials import LiftObject, chosen_objects
+from vh_drake.experiments.hand_scenes import drawn_scene, hand_task, lifter_of, model_of
+from vh_drake.experiments.lift_trials import chosen_objects
 from vh_drake.experiments.robustness import scenes
-from vh_drake.grasping.in_hand import PlaceSettings, lie_in_hand
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
+from vh_drake.grasping.scoring import ScoringSettings, score_candidates
 from vh_drake.learning.calibration import auc, reliability
 from vh_drake.learning.generating import (
-    GeneratorSettings,
     SeenScene,
     hand_model,
-    seen_scene,
 )
 from vh_drake.learning.labels import LabelSettings, guarded_rates, nominal_epsilon
+from vh_drake.learning.lift_model import LiftModel, load_lift_model
 from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.pictures import draw_reliability
-from vh_drake.learning.scene import SceneSettings
-from vh_drake.objects.loading import load_object
-from vh_drake.objects.model import ObjectModel
 from vh_drake.reports import Report, Row
-from vh_drake.scenes.hand_lift import HandLifter
 from vh_drake.scenes.rating import LearnedRating, learned_rating
-from vh_drake.scenes.scenario import Table
 from vh_drake.types import Array, Candidates, IntArray
 
 SCENES = 150
 GRASPS = 20  # of each scene that are carried out
 CANDIDATES = 160  # of each scene, of which they are drawn
 TOUCHES = 1
-_TRIES = 4  # poses of an object until one can be grasped at all
 _SURE = LabelSettings(min_samples=48, max_samples=48)
 _DRAWS = 1000  # of the bootstrap
 
@@ -55,7 +47,7 @@ _DRAWS = 1000  # of the bootstrap
 SCORES: Mapping[str, str] = {
     "learned": "learned score of the robot",
     "metric": "learned metric alone",
-    "sense": "physical sense alone",
+    "conventional": "conventional score",
     "rate": "force-closure rate, true shape",
     "rate_on_estimate": "force-closure rate, estimate",
     "epsilon": "epsilon, true shape",
@@ -75,7 +67,7 @@ def run(options: Options) -> Report:
     count = options.scenes or SCENES
     weights = None if options.weights is None else str(options.weights)
     tasks = {
-        f"{item.name} {seed}": _task(item, seed, weights)
+        f"{item.name} {seed}": hand_task(item, seed, weights=weights)
         for item, seed in scenes(objects, count, options.seed)
     }
     settings = {
@@ -101,30 +93,21 @@ def run(options: Options) -> Report:
     return Report("labels", settings, summarized(rows, options.seed), {}, [*by_object(rows), *rows])
 
 
-def _task(item: LiftObject, seed: int, weights: str | None) -> Row:
-    return {
-        "object": item.name,
-        "folder": item.folder,
-        "mass_kg": item.mass_kg,
-        "split": item.split,
-        "kind": item.kind,
-        "seed": seed,
-        "weights": weights,
-    }
-
-
 def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
     """One scene: rows of grasps with their scores and what came of them; none without grasps."""
-    hand, model = hand_model(""), _model(task["object"], task["folder"], task["mass_kg"])
-    drawn = _drawn_scene(model, task["object"], task["seed"])
-    if drawn is None:
+    hand, own = hand_model(""), (task["object"], task["folder"], task["mass_kg"])
+    seen = drawn_scene(model_of(*own), task["object"], task["seed"], TOUCHES)
+    if seen is None:
         return []
-    seen, candidates = drawn
+    settings = PlannerSettings(candidates=CANDIDATES)
+    candidates = plan_candidates(seen.surface, seen.view.table, hand, settings, task["seed"])
+    if len(candidates) == 0:
+        return []
     scene = (candidates, seen.surface, seen.view, seen.contacts)
-    rating = learned_rating(_metric(task["weights"]), hand, task["seed"], scene)
+    rating = learned_rating(_metric(task["weights"]), _lift_model(), hand, task["seed"], scene)
     chosen = spread_over(rating.scores().score, GRASPS)
     scores = _scores(seen, candidates, rating, chosen, task["seed"])
-    lifter = _lifter(task["object"], task["folder"], task["mass_kg"])
+    lifter = lifter_of(*own)
     rows = []
     for k, i in enumerate(chosen):
         lift = lifter.lift(seen.truth.X_WO, candidates.X_WH[i], candidates.motion[i])
@@ -141,28 +124,6 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
     return rows
 
 
-def _drawn_scene(model: ObjectModel, name: str, seed: int) -> tuple[SeenScene, Candidates] | None:
-    """A scene as in the data set, drawn anew where nothing is seen or no hand finds a place."""
-    plain = SceneSettings(scale=[1.0, 1.0], stretch=[1.0, 1.0])
-    settings = GeneratorSettings(scene=plain)
-    for attempt in range(_TRIES):
-        rng = np.random.default_rng([seed, attempt, *name.encode()])
-        try:
-            seen = seen_scene(model.mesh, settings, rng, touches=TOUCHES)
-            candidates = plan_candidates(
-                seen.surface,
-                seen.view.table,
-                hand_model(""),
-                PlannerSettings(candidates=CANDIDATES),
-                seed,
-            )
-        except (NothingSeen, BadInput):
-            continue
-        if len(candidates):
-            return seen, candidates
-    return None
-
-
 def spread_over(score: Array, count: int) -> IntArray:
     """Indices of candidates whose scores are next to evenly spaced values, low to high."""
     left = list(np.argsort(score, kind="stable"))
@@ -177,50 +138,24 @@ def spread_over(score: Array, count: int) -> IntArray:
 def _scores(
     seen: SeenScene, candidates: Candidates, rating: LearnedRating, chosen: IntArray, seed: int
 ) -> dict[str, Array]:
-    """Of the chosen candidates, by the names of SCORES and of the parts of physical sense."""
+    """Of the chosen candidates, by the names of SCORES."""
     hand, own = hand_model(""), candidates.taken(chosen)
-    sense, hints = rating.sense, rating.hints
+    plane, settings = seen.view.table, ScoringSettings()
     return {
-        "learned": rating.scores().score[chosen],
+        "learned": rating.lift[chosen],
         "metric": rating.told.success[chosen],
-        "sense": (sense.centered * sense.held * sense.placed)[chosen],
+        "conventional": score_candidates(own, seen.surface, plane, hand, settings, seed).score,
         "rate": guarded_rates(own, seen.field, hand, _SURE, seed).rate,
         "rate_on_estimate": guarded_rates(own, seen.estimate, hand, _SURE, seed + 1).rate,
         "epsilon": nominal_epsilon(own, seen.field, hand, _SURE),
         "epsilon_on_estimate": nominal_epsilon(own, seen.estimate, hand, _SURE),
-        "nominal_on_estimate": hints.nominal[chosen].astype(float),
-        "centered": sense.centered[chosen],
-        "held": sense.held[chosen],
-        "certain": sense.certain[chosen],
-        "placed": sense.placed[chosen],
-        "expected_rate": rating.told.rate[chosen],
-        **_places(seen, own),
+        "nominal_on_estimate": rating.hints.nominal[chosen].astype(float),
     }
 
 
-def _places(seen: SeenScene, candidates: Candidates) -> dict[str, Array]:
-    """How the estimate lies in the open hand, in mm, for fits of what makes a lift succeed."""
-    names = np.array(candidates.motion)
-    table = np.zeros((3, len(candidates)))
-    for motion in set(candidates.motion):
-        own = names == motion
-        X_WH, surface = candidates.X_WH[own], seen.surface.vertices
-        hand, place = hand_model(""), PlaceSettings()
-        lie = lie_in_hand(X_WH, motion, surface, seen.estimate, hand, place)
-        table[:, own] = 1e3 * np.stack([lie.middle, lie.excess, lie.beside])
-    return dict(zip(("along_mm", "excess_mm", "beside_mm"), table, strict=True))
-
-
-@lru_cache(maxsize=2)
-def _model(name: str, folder: str, mass_kg: float | None) -> ObjectModel:
-    return load_object(name, mass_kg=mass_kg, folder=Path(folder) if folder else None)
-
-
-@lru_cache(maxsize=2)
-def _lifter(name: str, folder: str, mass_kg: float | None) -> HandLifter:
-    plain = SceneSettings()
-    table = Table(height_m=plain.table_height_m, center=list(plain.center))
-    return HandLifter(hand_model(""), _model(name, folder, mass_kg), table)
+@lru_cache(maxsize=1)
+def _lift_model() -> LiftModel:
+    return load_lift_model()
 
 
 @lru_cache(maxsize=1)

@@ -61,7 +61,7 @@ def _odds(probability: Array) -> Array:
 
 
 def _lie(candidates: Candidates, surface: Surface, estimate: ObjectField, hand: HandModel) -> Array:
-    """How the object lies in the open hand, and its size (n, 8)."""
+    """How the object lies in the open hand, and its size (n, 9)."""
     names, up = np.array(candidates.motion), np.asarray(estimate.table.normal, dtype=float)
     lie = np.zeros((len(candidates), 5))
     for motion in np.unique(names):
@@ -79,8 +79,15 @@ def _lie(candidates: Candidates, surface: Surface, estimate: ObjectField, hand: 
             ]
         )
     heights = estimate.table.height(surface.vertices)
-    size = [narrowest(surface.vertices, up), heights.max(), estimate.table.height(estimate.center)]
+    center = estimate.table.height(estimate.center)
+    size = [narrowest(surface.vertices, up), heights.max(), center, _edge(estimate)]
     return np.column_stack([lie, np.tile(size, (len(lie), 1))]) / _LENGTH_M
+
+
+def _edge(estimate: ObjectField) -> float:
+    """Of a cube of the object's volume [m]."""
+    inside = np.clip(0.5 - estimate.distance.values / estimate.distance.spacing, 0.0, 1.0)
+    return float(np.cbrt(inside.sum()) * estimate.distance.spacing)
 
 
 def _touched(candidates: Candidates, estimate: ObjectField, hand: HandModel) -> Array:
@@ -111,4 +118,4 @@ def _touch(closure: Closure, X_WH: Array, estimate: ObjectField) -> list[float]:
     return [slope.mean(), slope.min(), slope.max(), *(float(x) / _LENGTH_M for x in lengths)]
 
 
-INPUTS = 3 + 10 + 8 + 8
+INPUTS = 3 + 10 + 9 + 8

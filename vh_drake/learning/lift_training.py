@@ -6,41 +6,37 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
-from torch.nn.functional import binary_cross_entropy_with_logits
+from sklearn.ensemble import ExtraTreesClassifier
 
 from vh_drake.batch import run_tasks
 from vh_drake.errors import BadInput
 from vh_drake.geometry.meshes import Mask
 from vh_drake.gpis.surface import estimate_surface
 from vh_drake.grasping.field import object_field
-from vh_drake.learning.calibration import Calibration, auc, fit_calibration, reliability
+from vh_drake.learning.calibration import auc, fit_calibration, reliability
 from vh_drake.learning.dataset import shard_paths
 from vh_drake.learning.features import fused_points, scene_fields
 from vh_drake.learning.generating import hand_model
 from vh_drake.learning.hints import hints_on_estimate
-from vh_drake.learning.lift_inputs import INPUTS, lift_inputs
-from vh_drake.learning.lift_model import LiftModel, save_lift_model, standardized
+from vh_drake.learning.lift_inputs import lift_inputs
+from vh_drake.learning.lift_model import LiftModel, Trees, log_odds, save_lift_model
 from vh_drake.learning.lifts import Lifted, read_lifts
 from vh_drake.learning.metric import load_metric
 from vh_drake.learning.shards import LabelledScene, read_shard
 from vh_drake.types import Array, IntArray
 
 WEIGHTS = "lift_model.safetensors"
-_LEAST_SCALE = 1e-3  # of an input that hardly varies
 _DIGITS = 4
 
 
 @dc.dataclass(frozen=True)
 class LiftTrainingSettings:
-    """How the networks are fitted."""
+    """How the trees are grown."""
 
-    networks: int = 8
-    hidden: int = 16
-    steps: int = 400
-    learning_rate: float = 0.01
-    weight_decay: float = 0.1
-    folds: int = 5  # of the objects, to tell how well unknown ones are judged
+    trees: int = 100
+    leaf: int = 3  # grasps at least
+    inputs_share: float = 0.4  # of the inputs, among which a node chooses
+    folds: int = 8  # of the objects, to tell how well unknown ones are judged
     seed: int = 0
 
 
@@ -91,12 +87,12 @@ def fitted(samples: LiftSamples, settings: LiftTrainingSettings) -> LiftModel:
     """
     if samples.lifted.all() or not samples.lifted.any():
         raise BadInput("all grasps came out alike; carry out more with `vh-drake dataset lift`")
-    logits = np.zeros(len(samples.lifted))
+    odds = np.zeros(len(samples.lifted))
     for unknown in folds(samples.objects, settings.folds, settings.seed):
-        part = _fit(samples.inputs[~unknown], samples.lifted[~unknown], settings)
-        logits[unknown] = part.logits(samples.inputs[unknown]).mean(axis=0)
-    calibration = fit_calibration(logits, samples.lifted)
-    told = calibration.probability(logits)
+        trees = grown(samples.inputs[~unknown], samples.lifted[~unknown], settings)
+        odds[unknown] = log_odds(trees.shares(samples.inputs[unknown]))
+    calibration = fit_calibration(odds, samples.lifted)
+    told = calibration.probability(odds)
     card = {
         "what": "lift of the object by the hand (of the metric's word, closing and geometry)",
         "hand": hand_model("").description.name,
@@ -105,12 +101,11 @@ def fitted(samples: LiftSamples, settings: LiftTrainingSettings) -> LiftModel:
         "objects": sorted(set(samples.objects)),
         "settings": dc.asdict(settings),
         "unknown_objects": {
-            "auc": round(auc(logits, samples.lifted), _DIGITS),
+            "auc": round(auc(odds, samples.lifted), _DIGITS),
             "calibration_error": round(reliability(told, samples.lifted).error, _DIGITS),
         },
     }
-    model = _fit(samples.inputs, samples.lifted, settings)
-    return dc.replace(model, calibration=calibration, card=card)
+    return LiftModel(grown(samples.inputs, samples.lifted, settings), calibration, card)
 
 
 def folds(objects: Sequence[str], count: int, seed: int) -> list[Mask]:
@@ -177,45 +172,34 @@ def scene_inputs(scene: LabelledScene, grasps: IntArray, weights: Path | None) -
     return lift_inputs(own, surface, estimate, hand, told, hints)
 
 
-def _fit(inputs: Array, lifted: Mask, settings: LiftTrainingSettings) -> LiftModel:
-    """All networks at once, each on samples drawn with replacement."""
-    mean, scale = inputs.mean(axis=0), np.maximum(inputs.std(axis=0), _LEAST_SCALE)
-    x = torch.from_numpy(standardized(inputs, mean, scale))
-    y = torch.from_numpy(lifted.astype(float))
-    parameters = _start(settings)
-    optimizer = torch.optim.AdamW(
-        parameters, lr=settings.learning_rate, weight_decay=settings.weight_decay
+def grown(inputs: Array, lifted: Mask, settings: LiftTrainingSettings) -> Trees:
+    """Trees of inputs (n, INPUTS) and outcomes (n,)."""
+    forest = ExtraTreesClassifier(
+        settings.trees,
+        min_samples_leaf=settings.leaf,
+        max_features=settings.inputs_share,
+        random_state=settings.seed,
+    ).fit(inputs.astype(np.float32), lifted)
+    own = [estimator.tree_ for estimator in forest.estimators_]
+    root = np.cumsum([0, *(tree.node_count for tree in own[:-1])])
+    return Trees(
+        root=root,
+        feature=np.concatenate([np.maximum(tree.feature, 0) for tree in own]),
+        threshold=np.concatenate([tree.threshold for tree in own]),
+        left=_linked([tree.children_left for tree in own], root),
+        right=_linked([tree.children_right for tree in own], root),
+        share=np.concatenate([tree.value[:, 0, 1] for tree in own]),
+        depth=max(tree.max_depth for tree in own),
     )
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, settings.steps)
-    drawn = np.random.default_rng([settings.seed, 37])
-    counts = drawn.poisson(1.0, (settings.networks, len(lifted))).astype(float)
-    weight = torch.from_numpy(counts)
-    hidden, hidden_offset, out, out_offset = parameters
-    for _ in range(settings.steps):
-        h = torch.tanh(x @ hidden + hidden_offset[:, None])
-        logits = torch.einsum("knh,kh->kn", h, out) + out_offset[:, None]
-        cost = binary_cross_entropy_with_logits(logits, y.expand_as(logits), weight)
-        optimizer.zero_grad(set_to_none=True)
-        cost.backward()  # type: ignore[no-untyped-call]  # torch
-        optimizer.step()
-        schedule.step()
-    w, b, v, c = (value.detach().numpy() for value in parameters)
-    return LiftModel(mean, scale, w, b, v, c, Calibration(), {})
 
 
-def _start(settings: LiftTrainingSettings) -> list[torch.Tensor]:
-    """Random first weights: hidden, its offset, out, its offset."""
-    rng = np.random.default_rng([settings.seed, 29])
-    k, h = settings.networks, settings.hidden
-    shapes: list[tuple[tuple[int, ...], float]] = [
-        ((k, INPUTS, h), INPUTS**-0.5),
-        ((k, h), 0.0),
-        ((k, h), h**-0.5),
-        ((k,), 0.0),
+def _linked(children: list[IntArray], root: IntArray) -> IntArray:
+    """Children by their place among the nodes of all trees; a leaf is its own."""
+    linked = [
+        first + np.where(own < 0, np.arange(len(own)), own)
+        for own, first in zip(children, root, strict=True)
     ]
-    return [
-        torch.from_numpy(std * rng.normal(size=shape)).requires_grad_() for shape, std in shapes
-    ]
+    return np.concatenate(linked)
 
 
 def figures(model: LiftModel) -> dict[str, Any]:

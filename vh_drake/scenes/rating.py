@@ -2,18 +2,11 @@
 
 import dataclasses as dc
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 import numpy as np
 
-from vh_drake.grasping.closure_rate import PerturbationSettings
 from vh_drake.grasping.field import ObjectField, object_field
-from vh_drake.grasping.scoring import (
-    GraspRating,
-    ScoringSettings,
-    rate_candidates,
-    score_candidates,
-)
+from vh_drake.grasping.scoring import ScoringSettings, score_candidates
 from vh_drake.hand.model import HandModel
 from vh_drake.learning.features import fused_points, scene_fields
 from vh_drake.learning.hints import Hints, hints_on_estimate
@@ -23,6 +16,8 @@ from vh_drake.learning.labels import (
     nominal_closure,
     nominal_epsilon,
 )
+from vh_drake.learning.lift_inputs import lift_inputs
+from vh_drake.learning.lift_model import LiftModel, load_lift_model
 from vh_drake.learning.metric import GraspMetric, Prediction, load_metric
 from vh_drake.types import Array, Candidates, ContactSet, GraspScores, ObjectView, Surface
 
@@ -30,9 +25,6 @@ Score = Callable[[Candidates, Surface, ObjectView, ContactSet], GraspScores]
 
 _DISTURBED = LabelSettings(min_samples=24, max_samples=100, target_error=0.05)
 _LOT = 1e-6  # less than any two measures differ
-_PASSES = 8  # of dropout, for the standard error
-# Enough to see where the contacts lie and how many fingers touch.
-_FEW = PerturbationSettings(min_samples=8, max_samples=8)
 
 
 def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
@@ -51,7 +43,7 @@ def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
     """
     name = scorer_in_use(name, hand)
     if name == "learned":
-        return learned_scorer(load_metric(), hand, seed)
+        return learned_scorer(load_metric(), load_lift_model(), hand, seed)
     if name in BASELINES:
         return baseline_scorer(name, hand, seed)
     return conventional_scorer(hand, seed)
@@ -129,25 +121,19 @@ def conventional_scorer(
     return score
 
 
-def learned_scorer(
-    metric: GraspMetric | Path, hand: HandModel, seed: int, settings: ScoringSettings | None = None
-) -> Score:
-    """Probability of success by the learned metric, times physical sense.
+def learned_scorer(metric: GraspMetric, lift: LiftModel, hand: HandModel, seed: int) -> Score:
+    """Probability that the hand lifts the object, by what was learnt.
 
-    Labels come from closing a hand around an object that stands still. How the object lies
-    in the hand, how far from its centre of mass and by how many fingers it is held, decides
-    in a real lift too; these factors are those of the conventional rating.
+    The metric foretells whether a grasp closes around an object that stands still. How the
+    object lies in the hand and where fingers meet it decides in a lift too; the lift model
+    weighs both.
 
     Args:
-        metric: or its weights.
-        hand: that the metric was trained for.
+        metric: of closing.
+        lift: of lifting.
+        hand: that both were trained for.
         seed: of every random choice.
-        settings: of the physical sense.
-
-    Raises:
-        BadInput: the weights are missing or damaged.
     """
-    trained = load_metric(metric) if isinstance(metric, Path) else metric
 
     def score(
         candidates: Candidates, surface: Surface, view: ObjectView, contacts: ContactSet
@@ -155,7 +141,7 @@ def learned_scorer(
         if len(candidates) == 0:
             return GraspScores()
         scene = (candidates, surface, view, contacts)
-        return learned_rating(trained, hand, seed, scene, settings).scores()
+        return learned_rating(metric, lift, hand, seed, scene).scores()
 
     return score
 
@@ -166,27 +152,26 @@ class LearnedRating:
 
     told: Prediction
     hints: Hints
-    sense: GraspRating  # its force-closure rate comes from few trials and does not count
+    lift: Array  # (n,) probability of a lift
+    spread: Array  # (n,) how far the lift model's trees disagree
 
     def scores(self) -> GraspScores:
-        """Probability of success times physical sense."""
-        sense = self.sense.centered * self.sense.held * self.sense.placed
-        return GraspScores(self.told.success * sense, self.told.spread * sense)
+        """Probability of a lift."""
+        return GraspScores(self.lift, self.spread)
 
 
 def learned_rating(
     metric: GraspMetric,
+    lift: LiftModel,
     hand: HandModel,
     seed: int,
     scene: tuple[Candidates, Surface, ObjectView, ContactSet],
-    settings: ScoringSettings | None = None,
 ) -> LearnedRating:
-    """The learned metric and the factors of physical sense, one by one; see `learned_scorer`."""
+    """What metric and lift model say of candidates, one by one; see `learned_scorer`."""
     candidates, surface, view, contacts = scene
-    settings = dc.replace(settings or ScoringSettings(), perturbation=_FEW)
     fields = scene_fields(view, contacts, surface)
     estimate = object_field(surface, view.table)
     hints = hints_on_estimate(candidates, estimate, fused_points(view, contacts), hand, seed)
-    told = metric.predict(candidates, fields, hints, passes=_PASSES, seed=seed)
-    sense = rate_candidates(candidates, surface, view.table, hand, settings, seed)
-    return LearnedRating(told, hints, sense)
+    told = metric.predict(candidates, fields, hints)
+    inputs = lift_inputs(candidates, surface, estimate, hand, told, hints)
+    return LearnedRating(told, hints, *lift.rate(inputs))
