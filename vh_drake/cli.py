@@ -468,7 +468,7 @@ def dataset_lift(
     as_json: JsonOption = False,
 ) -> None:
     """Carry out grasps of a data set with the hand alone; a killed run goes on."""
-    from vh_drake.learning.lifts import lift_facts, lift_grasps
+    from vh_drake.scenes.lifts import lift_facts, lift_grasps
 
     lifts = lift_grasps(folder, objects_, scenes, workers=workers, title="lifting")
     _print_facts(lift_facts(lifts), as_json)

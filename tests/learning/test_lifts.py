@@ -6,16 +6,15 @@ from learning_scenes import FAST, can_scene
 
 from vh_drake.errors import BadInput
 from vh_drake.learning.dataset import DatasetSpec, generate
-from vh_drake.learning.lifts import (
-    GRASPS,
+from vh_drake.learning.lift_records import GRASPS, read_lifts
+from vh_drake.learning.training_objects import object_mesh
+from vh_drake.scenes.lifts import (
     drawn_grasps,
     drawn_mass,
     lift_facts,
     lift_grasps,
     lift_scene,
-    read_lifts,
 )
-from vh_drake.learning.training_objects import object_mesh
 
 
 def test_masses_are_those_of_household_things():

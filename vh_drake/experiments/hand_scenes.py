@@ -9,12 +9,12 @@ import numpy as np
 from vh_drake.errors import BadInput, NothingSeen
 from vh_drake.experiments.lift_trials import LiftObject
 from vh_drake.learning.generating import GeneratorSettings, SeenScene, hand_model, seen_scene
-from vh_drake.learning.lifts import table_of
 from vh_drake.learning.scene import SceneSettings
 from vh_drake.objects.loading import load_object
 from vh_drake.objects.model import ObjectModel
 from vh_drake.reports import Row
 from vh_drake.scenes.hand_lift import HandLifter
+from vh_drake.scenes.lifts import table_of
 
 _TRIES = 4  # poses of an object until the camera shows enough of it
 

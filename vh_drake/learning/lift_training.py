@@ -20,7 +20,7 @@ from vh_drake.learning.generating import hand_model
 from vh_drake.learning.hints import hints_on_estimate
 from vh_drake.learning.lift_inputs import lift_inputs
 from vh_drake.learning.lift_model import LiftModel, Trees, log_odds, save_lift_model
-from vh_drake.learning.lifts import Lifted, read_lifts
+from vh_drake.learning.lift_records import Lifted, read_lifts
 from vh_drake.learning.metric import load_metric
 from vh_drake.learning.shards import LabelledScene, read_shard
 from vh_drake.types import Array, IntArray
@@ -61,7 +61,7 @@ def train_lift_model(
     """Fit a model to data sets whose grasps were carried out, and write it.
 
     Args:
-        datasets: folders, see `lifts.lift_grasps`.
+        datasets: folders, made by `vh-drake dataset lift`.
         out: folder for lift_model.safetensors and .json.
         weights: of the metric, whose word is an input; None takes the shipped ones.
         settings: of the fit.

@@ -13,9 +13,9 @@ import numpy as np
 
 from vh_drake.batch import run_tasks
 from vh_drake.geometry.meshes import TriMesh
-from vh_drake.journal import Journal
 from vh_drake.learning.dataset import shard_paths
 from vh_drake.learning.generating import GeneratorSettings, hand_model, true_object
+from vh_drake.learning.lift_records import GRASPS, LIFTS_FILE, LIFTS_SETTINGS, Lifted
 from vh_drake.learning.scene import SceneSettings
 from vh_drake.learning.shards import LabelledScene, read_shard
 from vh_drake.learning.training_objects import object_mesh
@@ -24,21 +24,9 @@ from vh_drake.scenes.hand_lift import HandLifter
 from vh_drake.scenes.scenario import Table
 from vh_drake.types import IntArray
 
-GRASPS = 16  # of each scene that are carried out
-_FILE = "lifts.jsonl"
-_SETTINGS = {"grasps": GRASPS}
 _DENSITY = (80.0, 1200.0)  # of the objects [kg/m³], drawn evenly in its logarithm
 _MASS = (0.01, 1.2)  # [kg]
 _LEAST = 0.25  # weight of a grasp that never closes on the estimate; always is worth 1 more
-
-
-@dc.dataclass(frozen=True)
-class Lifted:
-    """Grasps of one scene that were carried out."""
-
-    scene: int
-    grasps: list[int]  # indices of candidates
-    lifted: list[bool]
 
 
 def lift_grasps(
@@ -63,25 +51,12 @@ def lift_grasps(
     rows = run_tasks(
         _lift_place,
         tasks,
-        settings=_SETTINGS,
-        journal=folder / _FILE,
+        settings=LIFTS_SETTINGS,
+        journal=folder / LIFTS_FILE,
         workers=workers,
         title=title,
     )
     return [Lifted(**row) for row in rows]
-
-
-def read_lifts(folder: Path) -> dict[int, Lifted]:
-    """What `lift_grasps` kept, by scene; empty without any.
-
-    Raises:
-        BadInput: the file is damaged.
-    """
-    path = folder / _FILE
-    if not path.is_file():
-        return {}
-    rows = (Lifted(**row) for row in Journal(path, _SETTINGS).results.values())
-    return {row.scene: row for row in rows}
 
 
 def lift_facts(lifts: Sequence[Lifted]) -> dict[str, Any]:
