@@ -120,6 +120,7 @@ def test_pose_numbers_are_relative_to_the_object_and_hold_the_hints(fields):
         closed,
         *[np.zeros(3)] * 2,
         np.zeros((3, 3)),
+        (),
         *[np.zeros(3)] * 3,
     )
     hinted = pose_inputs(fields, candidates, hints)

@@ -7,12 +7,9 @@ from scenery import right_hand
 from sklearn.ensemble import ExtraTreesClassifier
 
 from vh_drake.errors import BadInput
-from vh_drake.gpis.surface import estimate_surface
-from vh_drake.grasping.field import object_field
 from vh_drake.learning.calibration import auc
-from vh_drake.learning.features import fused_points
-from vh_drake.learning.hints import hints_on_estimate
-from vh_drake.learning.lift_inputs import INPUTS, lift_inputs
+from vh_drake.learning.knowledge import scene_knowledge
+from vh_drake.learning.lift_inputs import INPUTS, lift_inputs, with_success
 from vh_drake.learning.lift_model import golden_rates, load_lift_model, save_lift_model
 from vh_drake.learning.lift_training import (
     LiftSamples,
@@ -71,7 +68,9 @@ def test_trees_that_are_all_alike_do_not_disagree(model):
     one = dc.replace(model.trees, root=np.repeat(model.trees.root[:1], 4))
     inputs = samples(100, seed=3).inputs
     np.testing.assert_allclose(dc.replace(model, trees=one).rate(inputs)[1], 0, atol=1e-6)
-    assert 0.1 < model.rate(inputs)[1].mean() < 0.5
+    few = dc.replace(model.trees, root=model.trees.root[:10])
+    ratio = dc.replace(model, trees=few).rate(inputs)[1] / model.rate(inputs)[1]
+    assert ratio.mean() == pytest.approx(2.0, abs=0.3)  # of 10 trees against 40
 
 
 def test_the_same_samples_give_the_same_model(model):
@@ -132,22 +131,20 @@ def test_without_lifts_there_is_nothing_to_learn_from(tmp_path):
 
 
 def test_inputs_are_finite_and_of_one_magnitude():
-    scene = can_scene()
-    surface, hand = estimate_surface(scene.view, scene.contacts), right_hand()
-    estimate = object_field(surface, scene.view.table)
-    fused = fused_points(scene.view, scene.contacts)
-    hints = hints_on_estimate(scene.candidates, estimate, fused, hand, 0)
+    known, hand = scene_knowledge(can_scene()), right_hand()
 
-    def inputs_of(candidates, hints):
-        told = Prediction(*(np.full(len(candidates), p) for p in (1.0, 0.6, 0.0)))
-        return lift_inputs(candidates, surface, estimate, hand, told, hints)
+    def told(count, success):
+        return Prediction(*(np.full(count, p) for p in (success, 0.6, 0.0)))
 
-    inputs = inputs_of(scene.candidates, hints)
-    assert inputs.shape == (len(scene.candidates), INPUTS)
+    count = len(known.candidates)
+    inputs = lift_inputs(known, hand, told(count, 1.0))
+    assert inputs.shape == (count, INPUTS)
     assert np.isfinite(inputs).all()
     assert np.abs(inputs).max() < 10
-    nothing = {f.name: getattr(hints, f.name)[:0] for f in dc.fields(hints)}
-    assert inputs_of(Candidates(), dc.replace(hints, **nothing)).shape == (0, INPUTS)
+    other = with_success(inputs, np.full(count, 0.3))
+    np.testing.assert_array_equal(other, lift_inputs(known, hand, told(count, 0.3)))
+    none = scene_knowledge(can_scene(), Candidates())
+    assert lift_inputs(none, hand, told(0, 1.0)).shape == (0, INPUTS)
 
 
 def test_inputs_of_a_scene_are_those_of_the_chosen_grasps():

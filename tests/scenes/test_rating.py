@@ -68,10 +68,14 @@ def test_the_learned_score_is_what_the_lift_model_makes_of_the_metric_s_word(
     rating = learned_rating(untrained, lift, right_hand(), 3, scene)
     likely = rating.told.success > 0.5  # which one of the two trees asks for
     np.testing.assert_allclose(rating.lift, np.where(likely, 0.7, 0.3), atol=1e-6)
-    np.testing.assert_allclose(rating.spread, 0.2, atol=1e-6)
+    # The trees differ by 0.4 from each other; dropout changes the word of one here and there.
+    disagree, moved = 0.2 / np.sqrt(2), rating.told.spread
+    crosses = (rating.told.success > 0.5 - moved) & (rating.told.success <= 0.5 + moved)
+    expected = np.hypot(disagree, np.where(crosses, 0.2, 0.0))
+    np.testing.assert_allclose(rating.error, expected, atol=1e-6)
     scores = learned_scorer(untrained, lift, right_hand(), 3)(*scene)
     np.testing.assert_array_equal(scores.score, rating.lift)
-    np.testing.assert_array_equal(scores.standard_error, rating.spread)
+    np.testing.assert_array_equal(scores.standard_error, rating.error)
 
 
 def lift_model():

@@ -1,13 +1,17 @@
 """Scenes of objects that the hand alone lifts: drawn as in a data set, in a simulator's plant."""
 
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vh_drake.batch import run_tasks
+from vh_drake.catalog import Options
 from vh_drake.errors import BadInput, NothingSeen
-from vh_drake.experiments.lift_trials import LiftObject
+from vh_drake.experiments.lift_trials import LiftObject, chosen_objects
+from vh_drake.experiments.robustness import scenes
 from vh_drake.learning.generating import GeneratorSettings, SeenScene, hand_model, seen_scene
 from vh_drake.learning.scene import SceneSettings
 from vh_drake.objects.loading import load_object
@@ -17,6 +21,46 @@ from vh_drake.scenes.hand_lift import HandLifter
 from vh_drake.scenes.lifts import table_of
 
 _TRIES = 4  # poses of an object until the camera shows enough of it
+
+
+def rows_of_scenes(
+    function: Callable[[Row], list[Row]], options: Options, settings: Row, **more: Any
+) -> tuple[list[Row], Row]:
+    """Apply a function to scenes of all objects in turn; resumes from the out folder's journal.
+
+    Args:
+        function: of the top level of a module; of a `hand_task`.
+        options: objects, split, seed, workers, out.
+        settings: all that the rows depend on beside these, "scenes" among them.
+        more: what every task holds beside object and seed.
+
+    Returns:
+        The rows of all scenes, and all settings.
+
+    Raises:
+        BadInput: folder or options are unusable.
+    """
+    objects, left_out = chosen_objects(options)
+    tasks = {
+        f"{item.name} {seed}": hand_task(item, seed, **more)
+        for item, seed in scenes(objects, settings["scenes"], options.seed)
+    }
+    settings = {
+        "objects": [item.name for item in objects],
+        "left_out": left_out,
+        **settings,
+        "seed": options.seed,
+        "contact": "point",
+    }
+    found = run_tasks(
+        function,
+        tasks,
+        settings=settings,
+        journal=options.out / "journal.jsonl",
+        workers=options.workers,
+        title="lifting",
+    )
+    return [row for scene in found for row in scene], settings
 
 
 def hand_task(item: LiftObject, seed: int, **more: Any) -> Row:

@@ -14,12 +14,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
 from vh_drake.experiments.figure_files import save_figure
-from vh_drake.experiments.hand_scenes import drawn_scene, hand_task, lifter_of, model_of
-from vh_drake.experiments.lift_trials import chosen_objects
-from vh_drake.experiments.robustness import scenes
+from vh_drake.experiments.hand_scenes import drawn_scene, lifter_of, model_of, rows_of_scenes
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.grasping.scoring import ScoringSettings, score_candidates
@@ -62,33 +59,15 @@ def run(options: Options) -> Report:
     Raises:
         BadInput: an option is unusable.
     """
-    objects, left_out = chosen_objects(options)
     load_metric(options.weights)  # Refuses bad weights before the work starts.
-    count = options.scenes or SCENES
     weights = None if options.weights is None else str(options.weights)
-    tasks = {
-        f"{item.name} {seed}": hand_task(item, seed, weights=weights)
-        for item, seed in scenes(objects, count, options.seed)
-    }
-    settings = {
-        "objects": [item.name for item in objects],
-        "left_out": left_out,
-        "scenes": count,
+    own = {
+        "scenes": options.scenes or SCENES,
         "grasps": GRASPS,
         "touches": TOUCHES,
         "weights": weights or "shipped",
-        "seed": options.seed,
-        "contact": "point",
     }
-    found = run_tasks(
-        lifts_of_scene,
-        tasks,
-        settings=settings,
-        journal=options.out / "journal.jsonl",
-        workers=options.workers,
-        title="lifting",
-    )
-    rows = [row for scene in found for row in scene]
+    rows, settings = rows_of_scenes(lifts_of_scene, options, own, weights=weights)
     save_figure(options.out / "labels.png", draw(rows))
     return Report("labels", settings, summarized(rows, options.seed), {}, [*by_object(rows), *rows])
 

@@ -12,12 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from vh_drake.batch import run_tasks
 from vh_drake.catalog import Options
 from vh_drake.control.kinematics import ArmKinematics
-from vh_drake.experiments.hand_scenes import drawn_scene, hand_task, lifter_of, model_of
-from vh_drake.experiments.lift_trials import chosen_objects
-from vh_drake.experiments.robustness import scenes
+from vh_drake.experiments.hand_scenes import drawn_scene, lifter_of, model_of, rows_of_scenes
 from vh_drake.experiments.stages import WHOLE, gains, variant_rows
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
@@ -57,29 +54,8 @@ def run(options: Options) -> Report:
     Raises:
         BadInput: folder or options are unusable.
     """
-    objects, left_out = chosen_objects(options)
-    count = options.scenes or SCENES
-    tasks = {
-        f"{item.name} {seed}": hand_task(item, seed)
-        for item, seed in scenes(objects, count, options.seed)
-    }
-    settings = {
-        "objects": [item.name for item in objects],
-        "left_out": left_out,
-        "variants": list(VARIANTS),
-        "scenes": count,
-        "seed": options.seed,
-        "contact": "point",
-    }
-    found = run_tasks(
-        lifts_of_scene,
-        tasks,
-        settings=settings,
-        journal=options.out / "journal.jsonl",
-        workers=options.workers,
-        title="lifting",
-    )
-    rows = [row for scene in found for row in scene]
+    own = {"variants": list(VARIANTS), "scenes": options.scenes or SCENES}
+    rows, settings = rows_of_scenes(lifts_of_scene, options, own)
     table = variant_rows(rows, list(VARIANTS), options.seed)
     return Report("stages-by-hand", settings, gains(table), {}, [*table, *rows])
 

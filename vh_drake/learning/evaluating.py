@@ -16,13 +16,10 @@ import numpy as np
 
 from vh_drake.batch import run_tasks
 from vh_drake.geometry.meshes import Mask
-from vh_drake.gpis.surface import estimate_surface
-from vh_drake.grasping.field import object_field
 from vh_drake.learning.calibration import auc, reliability, reliability_sums
 from vh_drake.learning.dataset import shard_paths
-from vh_drake.learning.features import fused_points, scene_fields
 from vh_drake.learning.generating import hand_model
-from vh_drake.learning.hints import hints_on_estimate
+from vh_drake.learning.knowledge import scene_knowledge
 from vh_drake.learning.labels import SUCCESS_RATE, LabelSettings, nominal_epsilon
 from vh_drake.learning.metric import GraspMetric, load_metric, shipped_weights
 from vh_drake.learning.shards import LabelledScene, read_shard
@@ -94,16 +91,12 @@ def judge_dataset(
 def judge_scene(scene: LabelledScene, weights: Path | None) -> dict[str, Any]:
     """All metrics on one scene, as JSON holds it."""
     metric, hand = _metric(weights), hand_model("")
-    surface = estimate_surface(scene.view, scene.contacts)
-    fields = scene_fields(scene.view, scene.contacts, surface)
-    estimate = object_field(surface, scene.view.table)
-    fused = fused_points(scene.view, scene.contacts)
-    hints = hints_on_estimate(scene.candidates, estimate, fused, hand, scene.scene)
+    known = scene_knowledge(scene)
     scores = {
-        "learned": metric.predict(scene.candidates, fields, hints).success,
-        "blind": metric.predict(scene.candidates, fields).success,
+        "learned": metric.predict(scene.candidates, known.fields, known.hints).success,
+        "blind": metric.predict(scene.candidates, known.fields).success,
         "rate": scene.estimate_rate,
-        "epsilon": nominal_epsilon(scene.candidates, estimate, hand, LabelSettings()),
+        "epsilon": nominal_epsilon(scene.candidates, known.estimate, hand, LabelSettings()),
         "nominal": scene.nominal.astype(float),
     }
     return {

@@ -11,13 +11,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vh_drake.geometry.meshes import Mask
+from vh_drake.grasping.closing import Closure
 from vh_drake.grasping.field import ObjectField
 from vh_drake.hand.model import HandModel
 from vh_drake.learning.labels import (
     LabelSettings,
     guarded_rates,
     nominal_closure,
-    nominal_contacts,
+    nominal_closures,
 )
 from vh_drake.types import Array, Candidates, IntArray
 
@@ -41,7 +42,8 @@ class Hints:
     fingers: Array  # (n,) mean number of fingers in contact, thumbs left out
     opposed: Array  # (n,) share in which a thumb and something else touch
     offset: Array  # (n, 3) mean contact less centre of mass, in the hand's axes [m]
-    contacts: Array  # (n,) of the undisturbed grasp
+    closures: tuple[Closure, ...]  # (n,) how the undisturbed grasps end
+    contacts: Array  # (n,) of these
     mean_guess: Array  # (n,) mean distance of these contacts from a fused point [m]
     max_guess: Array  # (n,) the largest [m]
 
@@ -59,7 +61,8 @@ def hints_on_estimate(
         seed: of the disturbances.
     """
     rates = guarded_rates(candidates, estimate, hand, HINT_SETTINGS, seed)
-    contacts = nominal_contacts(candidates, estimate, hand, HINT_SETTINGS)
+    closures = nominal_closures(candidates, estimate, hand, HINT_SETTINGS)
+    contacts = [closure.p_WC for closure in closures]
     tree = cKDTree(fused)
     guesses = [np.minimum(tree.query(p)[0], _FAR_M) if len(p) else [_FAR_M] for p in contacts]
     touched = (rates.fingers > 0) | (rates.opposed > 0)
@@ -71,6 +74,7 @@ def hints_on_estimate(
         fingers=rates.fingers,
         opposed=rates.opposed,
         offset=np.einsum("nij,ni->nj", candidates.X_WH[:, :3, :3], offset_W),
+        closures=tuple(closures),
         contacts=np.array([len(p) for p in contacts], float),
         mean_guess=np.array([np.mean(guess) for guess in guesses]),
         max_guess=np.array([np.max(guess) for guess in guesses]),

@@ -114,14 +114,6 @@ def nominal_closure(
     return guarded_rates(candidates, field, hand, undisturbed, 0).closed > 0
 
 
-def nominal_contacts(
-    candidates: Candidates, field: ObjectField, hand: HandModel, settings: LabelSettings
-) -> list[Array]:
-    """Contacts (c, 3) of each undisturbed grasp [m]; none where it starts in collision."""
-    closures = nominal_closures(candidates, field, hand, settings)
-    return [closure.p_WC for closure in closures]
-
-
 def nominal_epsilon(
     candidates: Candidates, field: ObjectField, hand: HandModel, settings: LabelSettings
 ) -> Array:

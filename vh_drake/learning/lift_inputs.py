@@ -5,14 +5,16 @@ the open hand, and where and at what slope the closed hand touches the estimate:
 off what it meets above its widest place.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from vh_drake.grasping.closing import Closure
 from vh_drake.grasping.field import ObjectField
 from vh_drake.grasping.in_hand import PlaceSettings, lie_in_hand, narrowest
 from vh_drake.hand.model import HandModel
-from vh_drake.learning.hints import HINT_SETTINGS, Hints, hint_inputs
-from vh_drake.learning.labels import nominal_closures
+from vh_drake.learning.hints import hint_inputs
+from vh_drake.learning.knowledge import Knowledge
 from vh_drake.learning.metric import Prediction
 from vh_drake.types import Array, Candidates, Surface
 
@@ -22,36 +24,32 @@ _SURE = 1e-4  # probabilities nearer to 0 or 1 are all alike
 _CONTACTS = 8.0
 
 
-def lift_inputs(
-    candidates: Candidates,
-    surface: Surface,
-    estimate: ObjectField,
-    hand: HandModel,
-    told: Prediction,
-    hints: Hints,
-) -> Array:
+def lift_inputs(known: Knowledge, hand: HandModel, told: Prediction) -> Array:
     """Numbers (n, INPUTS), all of one magnitude.
 
     Args:
-        candidates: n grasps.
-        surface: the estimate.
-        estimate: distance to it.
+        known: of n grasps.
         hand: that grasps.
         told: what the metric says of them.
-        hints: what closing on the estimate says.
     """
+    candidates, estimate = known.candidates, known.estimate
     side = np.array([name == "side" for name in candidates.motion], float)
     inputs: Array = np.column_stack(
         [
             _odds(told.success),
             _odds(told.rate),
             side,
-            hint_inputs(hints, len(candidates))[:, 1:],
-            _lie(candidates, surface, estimate, hand),
-            _touched(candidates, estimate, hand),
+            hint_inputs(known.hints, len(candidates))[:, 1:],
+            _lie(candidates, known.surface, estimate, hand),
+            _touched(known.hints.closures, candidates, estimate),
         ]
     )
     return inputs
+
+
+def with_success(inputs: Array, success: Array) -> Array:
+    """Inputs (n, INPUTS) where the metric's word is another (n,)."""
+    return np.column_stack([_odds(success), inputs[:, 1:]])
 
 
 def _odds(probability: Array) -> Array:
@@ -90,9 +88,8 @@ def _edge(estimate: ObjectField) -> float:
     return float(np.cbrt(inside.sum()) * estimate.distance.spacing)
 
 
-def _touched(candidates: Candidates, estimate: ObjectField, hand: HandModel) -> Array:
+def _touched(closures: Sequence[Closure], candidates: Candidates, estimate: ObjectField) -> Array:
     """Where and at what slope the undisturbed hand touches (n, 8)."""
-    closures = nominal_closures(candidates, estimate, hand, HINT_SETTINGS)
     rows = [
         _touch(closure, X_WH, estimate)
         for closure, X_WH in zip(closures, candidates.X_WH, strict=True)

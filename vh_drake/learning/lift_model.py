@@ -55,13 +55,14 @@ class LiftModel:
     card: dict[str, Any]  # what is known of the model
 
     def rate(self, inputs: Array) -> tuple[Array, Array]:
-        """Calibrated probability of a lift (n,), and how far the trees disagree (n,).
+        """Calibrated probability of a lift (n,), and the standard error of the trees' mean (n,).
 
         Args:
             inputs: (n, INPUTS), see `lift_inputs`.
         """
         shares = self.trees.shares(inputs)
-        return self.calibration.probability(log_odds(shares)), shares.std(axis=1)
+        error = shares.std(axis=1) / np.sqrt(shares.shape[1])
+        return self.calibration.probability(log_odds(shares)), error
 
 
 def log_odds(shares: Array) -> Array:

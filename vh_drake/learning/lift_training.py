@@ -2,6 +2,7 @@
 
 import dataclasses as dc
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +12,14 @@ from sklearn.ensemble import ExtraTreesClassifier
 from vh_drake.batch import run_tasks
 from vh_drake.errors import BadInput
 from vh_drake.geometry.meshes import Mask
-from vh_drake.gpis.surface import estimate_surface
-from vh_drake.grasping.field import object_field
 from vh_drake.learning.calibration import auc, fit_calibration, reliability
 from vh_drake.learning.dataset import shard_paths
-from vh_drake.learning.features import fused_points, scene_fields
 from vh_drake.learning.generating import hand_model
-from vh_drake.learning.hints import hints_on_estimate
+from vh_drake.learning.knowledge import scene_knowledge
 from vh_drake.learning.lift_inputs import lift_inputs
 from vh_drake.learning.lift_model import LiftModel, Trees, log_odds, save_lift_model
 from vh_drake.learning.lift_records import Lifted, read_lifts
-from vh_drake.learning.metric import load_metric
+from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.shards import LabelledScene, read_shard
 from vh_drake.types import Array, IntArray
 
@@ -162,14 +160,14 @@ def _shard_rows(
 
 def scene_inputs(scene: LabelledScene, grasps: IntArray, weights: Path | None) -> Array:
     """What the robot knew (n, INPUTS) of some of a scene's candidates."""
-    hand, metric, own = hand_model(""), load_metric(weights), scene.candidates.taken(grasps)
-    surface = estimate_surface(scene.view, scene.contacts)
-    fields = scene_fields(scene.view, scene.contacts, surface)
-    estimate = object_field(surface, scene.view.table)
-    fused = fused_points(scene.view, scene.contacts)
-    hints = hints_on_estimate(own, estimate, fused, hand, scene.scene)
-    told = metric.predict(own, fields, hints)
-    return lift_inputs(own, surface, estimate, hand, told, hints)
+    known = scene_knowledge(scene, scene.candidates.taken(grasps))
+    told = _metric(weights).predict(known.candidates, known.fields, known.hints)
+    return lift_inputs(known, hand_model(""), told)
+
+
+@lru_cache(maxsize=1)
+def _metric(weights: Path | None) -> GraspMetric:
+    return load_metric(weights)
 
 
 def grown(inputs: Array, lifted: Mask, settings: LiftTrainingSettings) -> Trees:

@@ -15,18 +15,14 @@ from vh_drake.atomic_files import write_bytes
 from vh_drake.batch import run_tasks
 from vh_drake.errors import BadInput
 from vh_drake.geometry.meshes import Mask
-from vh_drake.gpis.surface import estimate_surface
-from vh_drake.grasping.field import object_field
 from vh_drake.learning.dataset import shard_paths
 from vh_drake.learning.features import (
     SceneFields,
-    fused_points,
     pose_inputs,
     sample_grids,
-    scene_fields,
 )
-from vh_drake.learning.generating import hand_model
-from vh_drake.learning.hints import HINT_NUMBERS, hints_on_estimate
+from vh_drake.learning.hints import HINT_NUMBERS
+from vh_drake.learning.knowledge import scene_knowledge
 from vh_drake.learning.labels import SUCCESS_RATE
 from vh_drake.learning.shards import LabelledScene, read_shard
 from vh_drake.types import Array, IntArray
@@ -181,12 +177,8 @@ def _cache_fields(shard: Path) -> int:
 
 def inputs_of(scene: LabelledScene) -> tuple[SceneFields, NDArray[np.float32]]:
     """Fields and numbers (n, 28), hints included, of a scene as it is kept on disk."""
-    surface = estimate_surface(scene.view, scene.contacts)
-    fields = scene_fields(scene.view, scene.contacts, surface)
-    estimate = object_field(surface, scene.view.table)
-    fused = fused_points(scene.view, scene.contacts)
-    hints = hints_on_estimate(scene.candidates, estimate, fused, hand_model(""), scene.scene)
-    return fields, pose_inputs(fields, scene.candidates, hints)
+    known = scene_knowledge(scene)
+    return known.fields, pose_inputs(known.fields, scene.candidates, known.hints)
 
 
 def _shard_samples(shard: Path) -> list[SceneSamples]:

@@ -8,15 +8,15 @@ import numpy as np
 from vh_drake.grasping.field import ObjectField, object_field
 from vh_drake.grasping.scoring import ScoringSettings, score_candidates
 from vh_drake.hand.model import HandModel
-from vh_drake.learning.features import fused_points, scene_fields
-from vh_drake.learning.hints import Hints, hints_on_estimate
+from vh_drake.learning.hints import Hints
+from vh_drake.learning.knowledge import knowledge
 from vh_drake.learning.labels import (
     LabelSettings,
     guarded_rates,
     nominal_closure,
     nominal_epsilon,
 )
-from vh_drake.learning.lift_inputs import lift_inputs
+from vh_drake.learning.lift_inputs import lift_inputs, with_success
 from vh_drake.learning.lift_model import LiftModel, load_lift_model
 from vh_drake.learning.metric import GraspMetric, Prediction, load_metric
 from vh_drake.types import Array, Candidates, ContactSet, GraspScores, ObjectView, Surface
@@ -25,6 +25,7 @@ Score = Callable[[Candidates, Surface, ObjectView, ContactSet], GraspScores]
 
 _DISTURBED = LabelSettings(min_samples=24, max_samples=100, target_error=0.05)
 _LOT = 1e-6  # less than any two measures differ
+_PASSES = 8  # of dropout, for the standard error
 
 
 def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
@@ -153,11 +154,11 @@ class LearnedRating:
     told: Prediction
     hints: Hints
     lift: Array  # (n,) probability of a lift
-    spread: Array  # (n,) how far the lift model's trees disagree
+    error: Array  # (n,) its standard error
 
     def scores(self) -> GraspScores:
         """Probability of a lift."""
-        return GraspScores(self.lift, self.spread)
+        return GraspScores(self.lift, self.error)
 
 
 def learned_rating(
@@ -167,11 +168,17 @@ def learned_rating(
     seed: int,
     scene: tuple[Candidates, Surface, ObjectView, ContactSet],
 ) -> LearnedRating:
-    """What metric and lift model say of candidates, one by one; see `learned_scorer`."""
-    candidates, surface, view, contacts = scene
-    fields = scene_fields(view, contacts, surface)
-    estimate = object_field(surface, view.table)
-    hints = hints_on_estimate(candidates, estimate, fused_points(view, contacts), hand, seed)
-    told = metric.predict(candidates, fields, hints)
-    inputs = lift_inputs(candidates, surface, estimate, hand, told, hints)
-    return LearnedRating(told, hints, *lift.rate(inputs))
+    """What metric and lift model say of candidates, one by one; see `learned_scorer`.
+
+    The standard error has two parts: how little the trees agree, and how far the probability
+    moves as dropout moves the metric's word.
+    """
+    known = knowledge(*scene, hand, seed)
+    told = metric.predict(known.candidates, known.fields, known.hints, passes=_PASSES, seed=seed)
+    inputs = lift_inputs(known, hand, told)
+    probability, error = lift.rate(inputs)
+    low, high = (
+        lift.rate(with_success(inputs, told.success + moved))[0]
+        for moved in (-told.spread, told.spread)
+    )
+    return LearnedRating(told, known.hints, probability, np.hypot(error, (high - low) / 2))
