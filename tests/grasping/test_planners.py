@@ -12,7 +12,7 @@ from vh_drake.errors import BadInput, UnknownName
 from vh_drake.grasping.approach import GraspMotionSettings, approach_poses
 from vh_drake.grasping.closing import close_hand
 from vh_drake.grasping.field import object_field
-from vh_drake.grasping.motions import motion_of
+from vh_drake.grasping.motions import hand_axes, motion_of
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.clearance import link_clearance, obstacles
@@ -66,12 +66,30 @@ def test_collecting_hands_start_just_over_the_table_or_up_to_30_mm_higher(hand, 
         assert 0.004 - 1e-9 <= lowest <= 0.034 + 1e-9
 
 
-def test_side_grasps_have_the_thumb_up_and_level_fingers(hand, table, standing):
+def test_side_grasps_have_the_thumb_up_and_fingers_that_point_down_at_most_25_degrees(
+    hand, table, standing
+):
     candidates = plan_candidates(standing(bottle()), table, hand, SETTINGS, 3)
     assert set(candidates.motion) == {"side"}
-    np.testing.assert_allclose(candidates.X_WH[:, 2, 1], -1, atol=1e-9)
-    np.testing.assert_allclose(candidates.X_WH[:, 2, 2], 0, atol=1e-9)
+    along, palm = hand_axes(hand)
+    R = candidates.X_WH[:, :3, :3]
+    tilts = np.degrees(np.arcsin(-(R @ along)[:, 2]))
+    assert -1e-6 <= tilts.min() < 5.0 < 15.0 < tilts.max() <= 25.0 + 1e-6
+    np.testing.assert_allclose((R @ palm)[:, 2], 0, atol=1e-9)
+    thumb = (R @ np.cross(along, palm))[:, 2]
+    np.testing.assert_allclose(np.abs(thumb), np.cos(np.deg2rad(tilts)), atol=1e-9)
     assert (candidates.X_WH[:, 2, 3] >= 0.9 + 0.065 - 1e-9).all()
+
+
+def test_with_tilted_fingers_the_arm_takes_an_object_from_more_sides(hand, table, standing):
+    sides = {}
+    for tilt in (0.0, 25.0):
+        settings = PlannerSettings(candidates=800, approaches=["side"], side_tilts_deg=[0.0, tilt])
+        X_WH = plan_candidates(standing(bottle()), table, hand, settings, arm=right_arm()).X_WH
+        facing = X_WH[:, :3, :3] @ hand_axes(hand)[1]
+        angles = np.degrees(np.arctan2(facing[:, 1], facing[:, 0]))
+        sides[tilt] = len(np.unique(angles // 20.0))
+    assert sides[25.0] >= 1.3 * sides[0.0]
 
 
 def test_poses_are_rigid(hand, table, standing):
@@ -108,9 +126,9 @@ def test_what_is_too_wide_for_the_hand_gets_no_candidates(hand, table, standing)
     assert len(none) == 0
 
 
-@pytest.mark.parametrize("mesh", [brick(), bottle()])
-def test_with_an_arm_its_controllers_bring_the_hand_to_nearly_every_candidate(
-    hand, table, standing, mesh
+@pytest.mark.parametrize(("mesh", "share"), [(brick(), 0.9), (bottle(), 0.7)])
+def test_with_an_arm_its_controllers_bring_the_hand_to_most_candidates(
+    hand, table, standing, mesh, share
 ):
     surface, arm, motion = standing(mesh.copy()), right_arm(), GraspMotionSettings()
     candidates = plan_candidates(surface, table, hand, SETTINGS, arm=arm)
@@ -120,7 +138,7 @@ def test_with_an_arm_its_controllers_bring_the_hand_to_nearly_every_candidate(
         way = approach_poses(X, name, scene, hand, X_WH_now, motion)
         reached.append(rollout(arm, arm.home, way).reached)
     assert len(reached) == 20
-    assert np.mean(reached) >= 0.9
+    assert np.mean(reached) >= share
 
 
 def test_no_candidate_is_left_where_the_arm_does_not_reach(hand, table, standing):

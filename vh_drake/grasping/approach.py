@@ -44,7 +44,7 @@ class GraspMotionSettings:
     weigh_m: float = 0.0  # piece of the lift after which a closed loop weighs; 0: it does not
     least_load_n: float = 0.12
     seek_m: float = 0.015  # of a second closing, towards what resisted the first
-    lift_m: float = 0.2  # 15 cm, what a heavy object may sag, and what a closing hand yields
+    lift_m: float = 0.23  # 15 cm, what a heavy or long object may sag, and what a hand yields
     lift_s: float = 1.6
     hold_s: float = 3.2
 

@@ -109,23 +109,25 @@ def side_poses(site: Site, facing: Array, at: Array, rng: np.random.Generator) -
         site: object and hand.
         facing: (n, 3) level unit vectors, out of the palm.
         at: (n, 3) places of the object in whose slices it is taken [m].
-        rng: draws the offsets.
+        rng: draws tilts and offsets.
     """
     s = site.settings
     if site.height < s.side_lowest_m or len(facing) == 0:
         return np.zeros((0, 4, 4))
-    fingers = np.cross(facing, _UP)
-    height = _side_heights(at[:, 2], site)
-    at_height = np.column_stack([at[:, :2], height])
-    up = np.broadcast_to(_UP, fingers.shape)
-    middle, width = across_slice(site.p_TS, fingers, up, at_height)
+    tilt = np.deg2rad(_between(s.side_tilts_deg, len(facing), rng))[:, None]
+    fingers = np.cos(tilt) * np.cross(facing, _UP) - np.sin(tilt) * _UP
+    thumb = np.cross(fingers, facing)
+    at_height = np.column_stack([at[:, :2], _side_heights(at[:, 2], site)])
+    middle, width = across_slice(site.p_TS, fingers, thumb, at_height)
     along = middle + _between(s.side_along_m, len(facing), rng)
     far = (site.center * facing).sum(axis=1) - site.far_m
     along_H, palm_H = hand_axes(site.hand)
     X = _aligned(along_H, palm_H, fingers, facing)
     tcp = X[:, :3, :3] @ np.asarray(site.hand.description.tcps["power"])
-    tcp[:, 2] = 0.0  # The height is the hand's own, not the TCP's.
-    X[:, :3, 3] = along[:, None] * fingers + far[:, None] * facing + height[:, None] * _UP - tcp
+    # Across the fingers it is the hand's own middle, not the TCP's.
+    tcp -= (tcp * thumb).sum(axis=1, keepdims=True) * thumb
+    across = (at_height * thumb).sum(axis=1, keepdims=True)
+    X[:, :3, 3] = along[:, None] * fingers + far[:, None] * facing + across * thumb - tcp
     fits = (width >= s.least_width_m) & (width <= s.side_widest_m)
     return _brought_near(site, "side", X[fits], palm_H)
 

@@ -14,7 +14,7 @@ class PlannerSettings:
     """Numbers and limits of both planners.
 
     There are three approaches. *collect* comes from the top with the line from fingertips to
-    thumb parallel to the table, *side* with the palm level and the thumb up: both held objects
+    thumb parallel to the table, *side* with the palm upright and the thumb up: both held objects
     in simulation, and their offsets are those that did. *free* comes from anywhere, for hands
     without a table below.
 
@@ -36,6 +36,8 @@ class PlannerSettings:
     collect_widest_m: float = 0.12
     collect_tallest_m: float = 0.13
     collect_highest_m: float = 0.03  # how far the hand may rise off its height to be free
+    # Of the fingers, down: with level fingers the arm can't come from everywhere.
+    side_tilts_deg: list[float] = dc.field(default_factory=lambda: [0.0, 25.0])
     side_along_m: list[float] = dc.field(default_factory=lambda: [-0.06, -0.035])
     side_heights_m: list[float] = dc.field(default_factory=lambda: [0.05, 0.12])
     side_below_top_m: float = 0.05  # of the hand's middle; the thumb is above it
