@@ -26,7 +26,7 @@ _TICK_S = 0.04
 _BACK_M, _BACK_STEP_M, _FARTHEST_M = 0.04, 0.02, 0.2  # where the approach starts
 _CLEAR_M = 0.002  # of the open hand there
 _FALLEN_M = 0.05  # below the table
-_HELD_SHARE = 0.8  # of the lift's height: what an object that slips a little keeps
+_HELD_SHARE = 0.5  # of the lift's height: long objects hang
 
 
 def lift_motion() -> GraspMotionSettings:
@@ -69,6 +69,7 @@ class HandLifter:
     ) -> None:
         self._hand, self._table = hand, table
         self._motion = motion or lift_motion()
+        self._lowest_m = _HELD_SHARE * self._motion.lift_m
         self._moving = make_moving_hand(
             hand, contact="point", model=model, table=table, step_s=step_s
         )
@@ -95,7 +96,7 @@ class HandLifter:
             height = self._height(context)
             if progress.done or self._is_lost(context, progress.leg, height):
                 break
-        held = progress.done > 0 and height > _HELD_SHARE * self._motion.lift_m
+        held = progress.done > 0 and height > self._lowest_m
         return Lift(held, height, context.get_time(), progress.leg or "hold")
 
     def _start(self, X_WO: Array, X_WH: Array, motion: str) -> Array:
@@ -148,7 +149,7 @@ class HandLifter:
             rig = self._moving.diagram
             touch = rig.GetOutputPort("touch").Eval(rig.GetMyContextFromRoot(context))
             return not touch.any()
-        return height < -_FALLEN_M or (leg == "hold" and height < self._motion.lift_m / 2)
+        return height < -_FALLEN_M or (leg == "hold" and height < self._lowest_m)
 
 
 def _control(hand: HandModel, moving: MovingHand) -> tuple[Diagram, BaseDrive]:
