@@ -24,7 +24,7 @@ from vh_drake.scenes.hand_lift import HandLifter
 from vh_drake.scenes.scenario import Table
 from vh_drake.types import IntArray
 
-_DENSITY = (80.0, 1200.0)  # of the objects [kg/m³], drawn evenly in its logarithm
+_DENSITY = (80.0, 5000.0)  # of foam to steel tools [kg/m³], drawn evenly in its logarithm
 _MASS = (0.01, 1.2)  # [kg]
 _LEAST = 0.25  # weight of a grasp that never closes on the estimate; always is worth 1 more
 
