@@ -84,3 +84,15 @@ def test_avoidance_never_pushes_a_joint_out_of_its_range():
         assert addition[seed % 8] <= 1e-12
         np.testing.assert_allclose(J @ addition, 0.0, atol=1e-9)
     assert held > 0  # the plain projection does push some of them
+
+
+@pytest.mark.parametrize("weakest", [1e-6, 0.02, 0.0499, 0.0501, 0.3])
+def test_the_null_space_part_is_the_projection_faded_out_by_the_weakest_singular_value(weakest):
+    rng = np.random.default_rng(7)
+    U, _, Vt = np.linalg.svd(rng.standard_normal((6, 8)))
+    J = U @ np.diag([2.0, 1.5, 1.0, 0.7, 0.5, weakest]) @ Vt[:6]
+    q, lower, upper = rng.uniform(-1.0, 1.0, 8), np.full(8, -2.0), np.full(8, 2.0)
+    wanted = np.cos(np.pi * (q - lower) / (upper - lower))
+    expected = min(weakest / 0.05, 1.0) ** 2 * Vt[6:].T @ (Vt[6:] @ wanted)
+    found = null_space_velocity(J, q, lower, upper)
+    np.testing.assert_allclose(found, expected, atol=1e-11)

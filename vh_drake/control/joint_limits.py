@@ -36,11 +36,14 @@ def limited_joint_velocity(
     Raises:
         BadInput: a number is not finite, or the shapes differ.
     """
-    rows = [np.ascontiguousarray(row, dtype=float) for row in (wanted, q, velocity)]
-    if len({row.shape for row in rows}) > 1 or not all(np.isfinite(row).all() for row in rows):
+    w = np.ascontiguousarray(wanted, dtype=float)
+    q = np.ascontiguousarray(q, dtype=float)
+    v = np.ascontiguousarray(velocity, dtype=float)
+    finite = kernels.finite(w) and kernels.finite(q) and kernels.finite(v)
+    if not (finite and w.shape == q.shape == v.shape):
         raise BadInput(
             "joint velocities and positions must be finite and of the same number, not "
-            f"{', '.join(str(row.tolist()) for row in rows)}"
+            f"{w.tolist()}, {q.tolist()}, {v.tolist()}"
         )
-    result: Array = kernels.limited_change(rows[0], rows[1], rows[2], limits, period_s)
+    result: Array = kernels.limited_change(w, q, v, limits, period_s)
     return result

@@ -1,57 +1,18 @@
 """Compiled arithmetic of the arm: kinematics, the three Cartesian controllers, their rollout.
 
-All of it stands in one file, since numba's cache notices changes of a kernel's own file only.
-The modules beside it say what each part means and check what comes in.
+It stands in one file, since numba's cache notices changes of a kernel's own file only. The
+modules beside it say what each part means and check what comes in.
 """
 
 import numpy as np
 from numba import njit
 
+from vh_drake.geometry.compiling import bare_njit
+from vh_drake.geometry.rotations import rotation_vector
 from vh_drake.types import Array
 
 SINGULAR_VALUE_FLOOR = 1e-9  # directions below count as not reachable at all
 FASTEST = 1e3  # of spatial velocities [rad/s, m/s]; no joint gets anywhere near
-
-
-@njit(cache=True)
-def axis_rotation(axis: Array, angle: float) -> Array:
-    """Rodrigues' formula for a unit axis (3,)."""
-    x, y, z = axis
-    s, c = np.sin(angle), np.cos(angle)
-    d = 1.0 - c
-    return np.array(
-        [
-            [c + x * x * d, x * y * d - z * s, x * z * d + y * s],
-            [y * x * d + z * s, c + y * y * d, y * z * d - x * s],
-            [z * x * d - y * s, z * y * d + x * s, c + z * z * d],
-        ]
-    )
-
-
-@njit(cache=True)
-def rotation_vector(R: Array) -> Array:
-    """Axis times angle in 0..pi, by way of the quaternion (Shepperd 1978)."""
-    diagonal = np.array([R[0, 0], R[1, 1], R[2, 2], R[0, 0] + R[1, 1] + R[2, 2]])
-    i = int(np.argmax(diagonal))
-    quaternion = np.empty(4)  # x y z w, up to scale
-    if i == 3:
-        quaternion[0] = R[2, 1] - R[1, 2]
-        quaternion[1] = R[0, 2] - R[2, 0]
-        quaternion[2] = R[1, 0] - R[0, 1]
-        quaternion[3] = 1.0 + diagonal[3]
-    else:
-        j, k = (i + 1) % 3, (i + 2) % 3
-        quaternion[i] = 1.0 + 2.0 * R[i, i] - diagonal[3]
-        quaternion[j] = R[j, i] + R[i, j]
-        quaternion[k] = R[k, i] + R[i, k]
-        quaternion[3] = R[k, j] - R[j, k]
-    if quaternion[3] < 0.0:
-        quaternion = -quaternion
-    sine = np.sqrt(np.sum(quaternion[:3] ** 2))
-    if sine < 1e-15:
-        return np.zeros(3)
-    vector: Array = quaternion[:3] * (2.0 * np.arctan2(sine, quaternion[3]) / sine)
-    return vector
 
 
 @njit(cache=True)
@@ -62,6 +23,39 @@ def cross(a: Array, b: Array) -> Array:
     )
 
 
+@bare_njit
+def carry(axes: Array, points: Array, q: Array, motions: Array) -> None:
+    """How positions q (n,) move what hangs on each joint from where it is at q = 0.
+
+    Joint i turns about axes[i] (n, 3) through points[i] (n, 3). motions (n + 1, 3, 4) is filled:
+    a rotation each and, in the last column, a translation; the first one is none, that of what
+    hangs on joint i is motions[i + 1].
+    """
+    for k in range(3):
+        for i in range(4):
+            motions[0, k, i] = 1.0 if i == k else 0.0
+    for i in range(len(q)):
+        x, y, z = axes[i, 0], axes[i, 1], axes[i, 2]
+        s, c = np.sin(q[i]), np.cos(q[i])
+        d = 1.0 - c
+        before, after = motions[i], motions[i + 1]
+        for k in range(3):
+            u, v, w = before[k, 0], before[k, 1], before[k, 2]
+            after[k, 0] = u * (c + x * x * d) + v * (y * x * d + z * s) + w * (z * x * d - y * s)
+            after[k, 1] = u * (x * y * d - z * s) + v * (c + y * y * d) + w * (z * y * d + x * s)
+            after[k, 2] = u * (x * z * d + y * s) + v * (y * z * d - x * s) + w * (c + z * z * d)
+            after[k, 3] = before[k, 3]
+            for m in range(3):
+                after[k, 3] += (before[k, m] - after[k, m]) * points[i, m]
+
+
+@bare_njit
+def moved(motion: Array, x: Array, share: float, k: int) -> float:
+    """Coordinate k of R x + share p, for a motion (3, 4) and x (3,)."""
+    turned: float = motion[k, 0] * x[0] + motion[k, 1] * x[1] + motion[k, 2] * x[2]
+    return turned + share * motion[k, 3]
+
+
 @njit(cache=True)
 def forward(axes: Array, points: Array, X_WH0: Array, q: Array) -> tuple[Array, Array]:
     """Hand pose (4, 4) and geometric Jacobian (6, n) from world screw axes at q = 0.
@@ -69,21 +63,44 @@ def forward(axes: Array, points: Array, X_WH0: Array, q: Array) -> tuple[Array, 
     Joint i turns about axes[i] (n, 3) through points[i] (n, 3); X_WH0 is the pose at q = 0.
     """
     n = len(q)
-    R, p = np.eye(3), np.zeros(3)
-    axes_now, points_now = np.empty((n, 3)), np.empty((n, 3))
+    motions = np.empty((n + 1, 3, 4))
+    carry(axes, points, q, motions)
+    X, J, lever = np.eye(4), np.empty((6, n)), np.empty(3)
+    for k in range(3):
+        for i in range(4):
+            X[k, i] = moved(motions[n], X_WH0[:3, i], X_WH0[3, i], k)
     for i in range(n):
-        axes_now[i] = R @ axes[i]
-        points_now[i] = R @ points[i] + p
-        R = R @ axis_rotation(axes[i], q[i])
-        p = points_now[i] - R @ points[i]
-    X = np.eye(4)
-    X[:3, :3] = R @ np.ascontiguousarray(X_WH0[:3, :3])
-    X[:3, 3] = R @ np.ascontiguousarray(X_WH0[:3, 3]) + p
-    J = np.empty((6, n))
-    for i in range(n):
-        J[:3, i] = axes_now[i]
-        J[3:, i] = cross(axes_now[i], X[:3, 3] - points_now[i])
+        for k in range(3):
+            J[k, i] = moved(motions[i], axes[i], 0.0, k)
+            lever[k] = X[k, 3] - moved(motions[i], points[i], 1.0, k)
+        for k in range(3):
+            a, b = (k + 1) % 3, (k + 2) % 3
+            J[3 + k, i] = J[a, i] * lever[b] - J[b, i] * lever[a]
     return X, J
+
+
+@njit(cache=True)
+def holding_torques(
+    axes: Array, points: Array, masses: Array, centers: Array, gravity: Array, q: Array
+) -> Array:
+    """Joint torques (n,) [N m] under which masses rest.
+
+    Mass i (n,) [kg] hangs on joint i; its centre (n, 3) [m] is in W at q = 0, as axes and points
+    are. gravity: (3,) [m/s^2].
+    """
+    n = len(q)
+    motions, torques = np.empty((n + 1, 3, 4)), np.empty(n)
+    carry(axes, points, q, motions)
+    mass, moment = 0.0, np.zeros(3)  # of all that hangs on joint i
+    lever, axis = np.empty(3), np.empty(3)
+    for i in range(n - 1, -1, -1):
+        mass += masses[i]
+        for k in range(3):
+            moment[k] += masses[i] * moved(motions[i + 1], centers[i], 1.0, k)
+            lever[k] = moment[k] - mass * moved(motions[i], points[i], 1.0, k)
+            axis[k] = moved(motions[i], axes[i], 0.0, k)
+        torques[i] = -np.sum(axis * cross(lever, gravity))
+    return torques
 
 
 @njit(cache=True)
@@ -114,9 +131,59 @@ def bounded_velocity(error: Array, gain: float, max_angular: float, max_linear: 
     return error * scale
 
 
+@bare_njit
+def factor(J: Array, shift: float, L: Array) -> bool:
+    """Cholesky factor L (m, m) of J J^T less a multiple of the unit matrix, where it has one."""
+    m, n = J.shape
+    for i in range(m):
+        for k in range(i + 1):
+            left = 0.0
+            for j in range(n):
+                left += J[i, j] * J[k, j]
+            for j in range(k):
+                left -= L[i, j] * L[k, j]
+            if i > k:
+                L[i, k] = left / L[k, k]
+            elif left - shift > 0.0:  # False for NaN too
+                L[i, i] = np.sqrt(left - shift)
+            else:
+                return False
+    return True
+
+
+@bare_njit
+def far_from_singular(J: Array, threshold: float, L: Array) -> bool:
+    """Whether all singular values of J exceed a threshold; then L L^T = J J^T.
+
+    They do where J J^T less the threshold's square has a Cholesky factor, which is far quicker to
+    find out than the values themselves.
+    """
+    square = max(threshold * threshold, SINGULAR_VALUE_FLOOR)
+    return factor(J, square, L) and factor(J, 0.0, L)
+
+
+@bare_njit
+def solve(L: Array, x: Array) -> None:
+    """Solve L L^T y = x (m,); x becomes y."""
+    m = len(x)
+    for i in range(m):
+        for j in range(i):
+            x[i] -= L[i, j] * x[j]
+        x[i] /= L[i, i]
+    for i in range(m - 1, -1, -1):
+        for j in range(i + 1, m):
+            x[i] -= L[j, i] * x[j]
+        x[i] /= L[i, i]
+
+
 @njit(cache=True)
 def damped_inverse_product(J: Array, velocity: Array, threshold: float) -> Array:
     """J^+ velocity, damped along singular directions weaker than `threshold`."""
+    L = np.empty((len(J), len(J)))
+    if far_from_singular(J, threshold, L):
+        components = velocity.copy()
+        solve(L, components)
+        return J.T @ components
     U, s, Vt = np.linalg.svd(J, full_matrices=False)
     components = U.T @ velocity
     for i in range(len(s)):
@@ -195,8 +262,13 @@ def joint_velocity(
 @njit(cache=True)
 def null_space_velocity(J: Array, q: Array, lower: Array, upper: Array, threshold: float) -> Array:
     """Equation 4.6 with an orthonormal basis, fading out towards singular postures."""
-    _, s, Vt = np.linalg.svd(J, full_matrices=True)
     wanted = limit_avoidance(q, lower, upper)
+    L = np.empty((len(J), len(J)))
+    if far_from_singular(J, threshold, L):
+        lost = J @ wanted
+        solve(L, lost)
+        return wanted - J.T @ lost
+    _, s, Vt = np.linalg.svd(J, full_matrices=True)
     velocity = np.zeros(len(q))
     for i in range(len(s), len(q)):
         velocity += np.sum(Vt[i] * wanted) * Vt[i]

@@ -7,6 +7,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, RevoluteJoint, SpatialInertia
+from pydrake.systems.framework import Context
 
 from vh_drake.control import kernels
 from vh_drake.errors import UnknownName
@@ -85,9 +86,8 @@ class ArmKinematics:
         self.joint_names = arm_joint_names(side)
         self.torso_position_m = torso_position_m
         loads = {"hand": (hand_kg, p_HHand), "payload": (payload_kg, p_HPayload)}
-        self._plant = _arm_plant(side, torso_position_m, loads)
-        self._context = self._plant.CreateDefaultContext()
-        joints = [self._plant.GetJointByName(name) for name in self.joint_names]
+        plant = _arm_plant(side, torso_position_m, loads)
+        joints = [plant.GetJointByName(name) for name in self.joint_names]
         self.lower = np.array([joint.position_lower_limit() for joint in joints])  # (8,) [rad]
         self.upper = np.array([joint.position_upper_limit() for joint in joints])  # (8,) [rad]
         self.velocity_limits = np.array([joint.velocity_upper_limit() for joint in joints])
@@ -99,7 +99,8 @@ class ArmKinematics:
             [self.lower, self.upper, self.velocity_limits, self.acceleration_limits]
         )
         self.home = home_configuration(side)  # (8,) [rad]
-        self._axes, self._points, self._X_WH0 = self._screws_at_zero(joints)
+        self._axes, self._points, self._X_WH0 = _screws_at_zero(plant, joints, SUFFIX[side])
+        self._loads = _loads_at_zero(plant, joints)
 
     def pose(self, q: Array) -> Array:
         """X_WH (4, 4) of the hand frame at joint positions q (8,)."""
@@ -116,8 +117,8 @@ class ArmKinematics:
 
     def gravity_torques(self, q: Array) -> Array:
         """Joint torques (8,) [N m] that hold arm, hand and payload still at q (8,)."""
-        self._plant.SetPositions(self._context, q)
-        torques: Array = -self._plant.CalcGravityGeneralizedForces(self._context)
+        q = np.ascontiguousarray(q, dtype=float)
+        torques: Array = kernels.holding_torques(*self.screws[:2], *self._loads, q)
         return torques
 
     def clamped(self, q: Array) -> Array:
@@ -129,16 +130,41 @@ class ArmKinematics:
         """Axes (8, 3), points (8, 3) [m] and the hand pose (4, 4) at q = 0, in W."""
         return self._axes, self._points, self._X_WH0
 
-    def _screws_at_zero(self, joints: list[RevoluteJoint]) -> tuple[Array, Array, Array]:
-        context = self._plant.CreateDefaultContext()
-        self._plant.SetPositions(context, np.zeros(len(joints)))
-        frames = [joint.frame_on_parent().CalcPoseInWorld(context) for joint in joints]
-        axes = [
-            X.rotation() @ joint.revolute_axis() for X, joint in zip(frames, joints, strict=True)
+
+def _at_zero(plant: MultibodyPlant) -> Context:
+    """A context with all joint positions at zero."""
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, np.zeros(plant.num_positions()))
+    return context
+
+
+def _screws_at_zero(
+    plant: MultibodyPlant, joints: list[RevoluteJoint], suffix: str
+) -> tuple[Array, Array, Array]:
+    """Axes (8, 3), points (8, 3) [m] and the hand pose (4, 4), in W."""
+    context = _at_zero(plant)
+    frames = [joint.frame_on_parent().CalcPoseInWorld(context) for joint in joints]
+    axes = [X.rotation() @ joint.revolute_axis() for X, joint in zip(frames, joints, strict=True)]
+    X_WH0 = plant.GetFrameByName(f"hand_fixed_{suffix}").CalcPoseInWorld(context).GetAsMatrix4()
+    return np.array(axes), np.array([X.translation() for X in frames]), X_WH0
+
+
+def _loads_at_zero(
+    plant: MultibodyPlant, joints: list[RevoluteJoint]
+) -> tuple[Array, Array, Array]:
+    """Mass (8,) [kg] and its centre (8, 3) [m] in W between each joint and the next; gravity."""
+    context = _at_zero(plant)
+    masses, centers = [], []
+    for joint in joints:
+        bodies = plant.GetBodiesWeldedTo(joint.child_body())
+        own = np.array([body.get_mass(context) for body in bodies])
+        at = [
+            plant.EvalBodyPoseInWorld(context, body) @ body.CalcCenterOfMassInBodyFrame(context)
+            for body in bodies
         ]
-        hand = self._plant.GetFrameByName(f"hand_fixed_{SUFFIX[self.side]}")
-        X_WH0 = hand.CalcPoseInWorld(context).GetAsMatrix4()
-        return np.array(axes), np.array([X.translation() for X in frames]), X_WH0
+        masses.append(own.sum())
+        centers.append(own @ np.array(at) / own.sum())
+    return np.array(masses), np.array(centers), plant.gravity_field().gravity_vector()
 
 
 def _arm_plant(

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from vh_drake.geometry.compiling import bare_njit
 from vh_drake.grasping.field import FieldArrays, ObjectField
 from vh_drake.grasping.first_touch import Queue, first_touch
 from vh_drake.grasping.lookup import outward_normal, signed_distance
@@ -23,7 +24,7 @@ from vh_drake.grasping.open_hand import (
     moved,
     turned,
 )
-from vh_drake.hand.kinematics import HandArrays, bare_njit, copy_pose, place_joints
+from vh_drake.hand.kinematics import HandArrays, copy_pose, place_joints
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, IntArray
 

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from vh_drake.errors import BadInput
+from vh_drake.geometry.compiling import bare_njit
 from vh_drake.grasping.closing import ClosingState, close_fingers, new_state
 from vh_drake.grasping.field import FieldArrays, ObjectField
 from vh_drake.grasping.motions import MotionArrays
@@ -15,7 +16,7 @@ from vh_drake.grasping.wrench_space import (
     fill_wrenches,
     spans_positively,
 )
-from vh_drake.hand.kinematics import HandArrays, bare_njit, copy_pose
+from vh_drake.hand.kinematics import HandArrays, copy_pose
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array, IntArray
 

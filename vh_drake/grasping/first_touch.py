@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vh_drake.geometry.compiling import bare_njit
 from vh_drake.grasping.bunch_paths import POSE, BunchPaths
 from vh_drake.grasping.field import FieldArrays
 from vh_drake.grasping.lookup import signed_distance
 from vh_drake.grasping.motions import MotionArrays
 from vh_drake.grasping.open_hand import CONTACT_M, NEAR_M
-from vh_drake.hand.kinematics import bare_njit
 from vh_drake.types import Array, IntArray
 
 

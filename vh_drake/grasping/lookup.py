@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from vh_drake.geometry.compiling import bare_njit
 from vh_drake.grasping.field import FieldArrays
-from vh_drake.hand.kinematics import bare_njit
 
 
 @bare_njit

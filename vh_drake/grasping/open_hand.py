@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from vh_drake.geometry.compiling import bare_njit
 from vh_drake.grasping.field import FieldArrays
 from vh_drake.grasping.lookup import signed_distance
 from vh_drake.grasping.motions import MotionArrays
-from vh_drake.hand.kinematics import bare_njit
 from vh_drake.types import Array
 
 CONTACT_M = 0.0005  # A sphere this near touches

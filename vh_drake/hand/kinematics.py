@@ -9,11 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from vh_drake.geometry.compiling import bare_njit
 from vh_drake.types import Array, IntArray
-
-# For kernels that allocate nothing: without reference counts of the arrays that they are given,
-# which would cost more than the work itself.
-bare_njit = njit(cache=True, _nrt=False)
 
 
 class HandArrays(NamedTuple):

@@ -3,10 +3,9 @@
 import dataclasses as dc
 
 import numpy as np
-from pydrake.common.eigen_geometry import AngleAxis
-from pydrake.math import RotationMatrix
 from scipy.spatial.transform import Rotation
 
+from vh_drake.geometry.rotations import between
 from vh_drake.types import Array, Immutable, TouchPlan
 
 FAST_M_S, FAST_RAD_S = 0.30, 1.2
@@ -71,11 +70,9 @@ def travel_time(
 
 def interpolate(X_WA: Array, X_WB: Array, share: float) -> Array:
     """Pose (4, 4) at a share 0..1 of the way: straight in position, slerp in rotation."""
-    turn = RotationMatrix(X_WA[:3, :3].T @ X_WB[:3, :3]).ToAngleAxis()
-    part = AngleAxis(share * turn.angle(), turn.axis())
-    X = np.eye(4)
-    X[:3, :3] = X_WA[:3, :3] @ RotationMatrix(part).matrix()
-    X[:3, 3] = X_WA[:3, 3] + share * (X_WB[:3, 3] - X_WA[:3, 3])
+    X: Array = between(
+        np.ascontiguousarray(X_WA, dtype=float), np.ascontiguousarray(X_WB, dtype=float), share
+    )
     return X
 
 
