@@ -6,7 +6,14 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from vh_drake.sensing.contact_point import Skin
-from vh_drake.sensing.ft_contact import FtContactModel, FtContactSettings, FtSample, FtState
+from vh_drake.sensing.ft_contact import (
+    FtContactModel,
+    FtContactSettings,
+    FtSample,
+    FtState,
+    force_of,
+    has_contact,
+)
 from vh_drake.sensing.hand_load import HandInertia
 from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.types import ContactSet
@@ -76,10 +83,6 @@ class FtContactEstimator(CollectableSystem):
         )
         self.DeclareVectorOutputPort("force", 3, self._calc_force, prerequisites_of_calc=after)
 
-    def _state(self, context: Context) -> FtState:
-        # A copy: what goes out must not change with the state.
-        return FtState.from_vector(np.array(context.get_discrete_state_vector().value()))
-
     def _update(self, context: Context, values: DiscreteValues) -> None:
         X_WH = self._pose.Eval(context)
         sample = FtSample(
@@ -90,13 +93,16 @@ class FtContactEstimator(CollectableSystem):
             approach_W=self._approach.Eval(context),
             tare=float(self._tare.Eval(context)[0]),
         )
-        values.set_value(self._model.step(self._state(context), sample).to_vector())
+        state = context.get_discrete_state_vector().value()
+        values.set_value(self._model.advance(state, sample))
 
     def _calc_contact(self, context: Context, output: BasicVector) -> None:
-        output.SetAtIndex(0, float(len(self._state(context).contact) > 0))
+        output.SetAtIndex(0, float(has_contact(context.get_discrete_state_vector().value())))
 
     def _calc_point(self, context: Context, output: Value) -> None:
-        output.set_value(self._state(context).contact)
+        # A copy: what goes out must not change with the state.
+        state = np.array(context.get_discrete_state_vector().value())
+        output.set_value(FtState.from_vector(state).contact)
 
     def _calc_force(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._state(context).force_W)
+        output.SetFromVector(force_of(context.get_discrete_state_vector().value()))

@@ -9,7 +9,7 @@ from pydrake.multibody.tree import Joint
 from pydrake.systems.framework import BasicVector, Context
 
 from vh_drake.errors import BadInput
-from vh_drake.sensing.hand_load import cross
+from vh_drake.sensing.hand_load import shifted_wrench
 from vh_drake.sensing.wrist_noise import WristNoiseSettings, wrist_noise
 from vh_drake.systems.collectable import CollectableSystem
 
@@ -57,7 +57,8 @@ class WristSensor(CollectableSystem):
             raise BadInput("WristSensor needs a finalized plant; call plant.Finalize() before")
         self._ordinal = list(plant.GetJointIndices()).index(joint.index())
         X_HJ: RigidTransform = joint.frame_on_child().GetFixedPoseInBodyFrame()
-        self._R_HJ, self._p_HJ = X_HJ.rotation().matrix(), np.array(X_HJ.translation())
+        self._R_HJ = np.ascontiguousarray(X_HJ.rotation().matrix())
+        self._p_HJ = np.array(X_HJ.translation())
         self._settings = settings or WristNoiseSettings()
         self._seed = seed
         self._reactions = self.DeclareAbstractInputPort(
@@ -78,7 +79,8 @@ class WristSensor(CollectableSystem):
                 "forces; connect the port of the plant that it was made with"
             )
         reaction = reactions[self._ordinal]
-        force_H = self._R_HJ @ reaction.translational()
-        torque_H = self._R_HJ @ reaction.rotational() + cross(self._p_HJ, force_H)
+        on_hand = shifted_wrench(
+            self._R_HJ, self._p_HJ, reaction.rotational(), reaction.translational()
+        )
         noise = wrist_noise(context.get_time(), self._seed, self._settings)
-        output.SetFromVector(noise - np.concatenate([torque_H, force_H]))
+        output.SetFromVector(noise - on_hand)

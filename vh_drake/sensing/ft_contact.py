@@ -12,10 +12,11 @@ unfiltered force, far above its noise and what the arm's motion leaves of it, co
 """
 
 import dataclasses as dc
-import math
 from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from vh_drake.sensing.contact_point import (
     Readings,
@@ -24,7 +25,7 @@ from vh_drake.sensing.contact_point import (
     contact_point,
     expected_approach,
 )
-from vh_drake.sensing.hand_load import HandInertia, HandMotion, own_load
+from vh_drake.sensing.hand_load import HandInertia, load_of
 from vh_drake.sensing.low_pass import LowPass
 from vh_drake.types import Array, ContactSet
 
@@ -51,8 +52,7 @@ class FtContactSettings:
     friction: float = 0.8  # the most by which a force may lean from the normal
 
 
-@dc.dataclass(frozen=True, eq=False)
-class FtSample:
+class FtSample(NamedTuple):
     """One reading of sensor and kinematics."""
 
     wrench_H: Array  # (6,) [N m; N], as in `hand_load`
@@ -99,7 +99,7 @@ class FtState:
         motion, low_pass, wrench, offset, force, flags, sums, place = (
             vector[part] for part in _STATE_PARTS
         )
-        touched = flags[4] > 0
+        touched = has_contact(vector)
         return FtState(
             velocity_W=motion[:6],
             approach_W=motion[6:],
@@ -119,9 +119,35 @@ class FtState:
 # Motion, low-pass, wrench, offset, force, flags, sums of readings, place.
 _STATE_SIZES = (9, 12, 6, 6, 3, 5, 16, 6)
 STATE_SIZE = sum(_STATE_SIZES)
-_STATE_PARTS = tuple(
-    slice(end - size, end) for size, end in zip(_STATE_SIZES, accumulate(_STATE_SIZES), strict=True)
-)
+_ENDS = tuple(accumulate(_STATE_SIZES))
+_STATE_PARTS = tuple(slice(end - size, end) for size, end in zip(_STATE_SIZES, _ENDS, strict=True))
+_MOTION_END, _MEMORY_END, _WRENCH_END, _OFFSET_END, _FORCE_END, _FLAGS_END = _ENDS[:6]
+_TARE, _STARTED, _EXCEEDED, _JUMPED, _TOUCHED = range(_FORCE_END, _FLAGS_END)
+
+
+def has_contact(state: Array) -> bool:
+    """Whether a state (STATE_SIZE,) has felt a contact since the last tare."""
+    return bool(state[_TOUCHED] > 0)
+
+
+def force_of(state: Array) -> Array:
+    """F - F_0 (3,) [N] of a state (STATE_SIZE,), in W."""
+    return state[_STATE_PARTS[4]]
+
+
+class _Knobs(NamedTuple):
+    """What a step needs of settings, filter and hand, as numbers."""
+
+    period_s: float
+    thresholds_n: tuple[float, float]  # of the slow hand and the fast one
+    fast_m_s: float
+    jump_n: float
+    jump_samples: int
+    hold_samples: int
+    settled: int  # samples above the threshold after which nothing is read any more
+    b: tuple[float, float, float]
+    a: tuple[float, float]
+    mass: float
 
 
 class FtContactModel:
@@ -145,84 +171,47 @@ class FtContactModel:
         self.skin = skin
         self.inertia = inertia or HandInertia()
         self.settings = settings or FtContactSettings()
-        self._settled = self.settings.hold_samples + self.settings.settle_samples
-        self._filter = LowPass.butterworth(self.settings.cutoff_hz, self.settings.period_s)
-        gain = np.sqrt(2.0) * self._filter.noise_gain()  # F and F_0 are noisy alike.
+        low_pass = LowPass.butterworth(self.settings.cutoff_hz, self.settings.period_s)
+        gain = np.sqrt(2.0) * low_pass.noise_gain()  # F and F_0 are noisy alike.
         self.force_std_n = gain * self.settings.force_std_n
         self.torque_std_nm = gain * self.settings.torque_std_nm
+        self._knobs = _knobs(self.settings, low_pass, self.inertia.mass)
 
     def step(self, state: FtState, sample: FtSample) -> FtState:
         """The state after one more sample; ignores a sample that is not finite."""
-        if not _finite(sample):
-            return state
-        state, outside = self._filtered(state, sample)
-        if sample.tare != state.tare:
-            return dc.replace(
-                state,
-                offset_H=state.wrench_H,
-                force_W=np.zeros(3),
-                approach_W=sample.approach_W.copy(),
-                tare=sample.tare,
-                exceeded=0,
-                jumped=0,
-                readings=Readings(),
-                contact=ContactSet(),
-            )
-        if state.tare == 0.0:
-            return state
-        difference = state.wrench_H - state.offset_H
-        jump = float(np.linalg.norm((outside - state.offset_H)[3:])) > self.settings.jump_n
-        state = dc.replace(
-            state,
-            force_W=sample.R_WH @ difference[3:],
-            jumped=state.jumped + 1 if jump else 0,
+        before = state.to_vector()
+        after = self.advance(before, sample)
+        return state if after is before else FtState.from_vector(after)
+
+    def advance(self, state: Array, sample: FtSample) -> Array:
+        """`step` of states as numbers (STATE_SIZE,)."""
+        after: Array = state.copy()
+        touches = _advance(
+            after,
+            np.ascontiguousarray(sample.wrench_H, dtype=float),
+            np.ascontiguousarray(sample.R_WH, dtype=float),
+            np.ascontiguousarray(sample.p_WH, dtype=float),
+            np.ascontiguousarray(sample.velocity_W, dtype=float),
+            np.ascontiguousarray(sample.approach_W, dtype=float),
+            sample.tare,
+            self.inertia.p_HCom,
+            self.inertia.I_H,
+            self._knobs,
         )
-        touches = jump or self._touches(state.force_W, sample)
-        state = dc.replace(state, exceeded=self._count(state, touches))
-        return self._read(state, sample, difference) if touches else state
-
-    def _count(self, state: FtState, touches: bool) -> int:
-        """Samples in a row above ΔF or the jump, and after the touch all that follow."""
-        if len(state.contact):
-            return min(state.exceeded, self._settled) + 1
-        if state.jumped >= self.settings.jump_samples:
-            return max(state.exceeded + 1, self.settings.hold_samples)
-        return state.exceeded + 1 if touches else 0
-
-    def _read(self, state: FtState, sample: FtSample, difference_H: Array) -> FtState:
-        """Takes a reading of the contact; place and normal follow from all of them."""
-        if state.exceeded > self._settled:
+        if touches == _NOT_FINITE:
             return state
+        if touches == _READS:
+            return self._read(FtState.from_vector(after), sample).to_vector()
+        return after
+
+    def _read(self, state: FtState, sample: FtSample) -> FtState:
+        """Takes a reading of the contact; place and normal follow from all of them."""
         earlier = state.readings if state.exceeded > 1 else Readings()
-        state = dc.replace(state, readings=earlier.with_wrench(difference_H))
+        readings = earlier.with_wrench(state.wrench_H - state.offset_H)
+        state = dc.replace(state, readings=readings)
         if state.exceeded < self.settings.hold_samples:
             return state
         return dc.replace(state, contact=self._contact(state, sample))
-
-    def _filtered(self, state: FtState, sample: FtSample) -> tuple[FtState, Array]:
-        """Takes the hand's own load off and low-passes the rest (6,), which comes along."""
-        before = state.velocity_W if state.started else sample.velocity_W
-        rate = (sample.velocity_W - before) / self.settings.period_s
-        motion = HandMotion(sample.R_WH, sample.velocity_W[:3], rate[:3], rate[3:])
-        outside = sample.wrench_H - own_load(self.inertia, motion)
-        memory = state.low_pass if state.started else self._filter.settled(outside)
-        memory, wrench_H = self._filter.step(memory, outside)
-        known = np.linalg.norm(sample.approach_W) > 0  # It ends with the motion.
-        filtered = dc.replace(
-            state,
-            velocity_W=sample.velocity_W.copy(),
-            approach_W=sample.approach_W.copy() if known else state.approach_W,
-            low_pass=memory,
-            wrench_H=wrench_H,
-            started=True,
-        )
-        return filtered, outside
-
-    def _touches(self, force_W: Array, sample: FtSample) -> bool:
-        """Eq. 4.8, with a higher ΔF while the hand moves fast."""
-        fast = float(np.linalg.norm(sample.velocity_W[3:])) > self.settings.fast_speed_m_s
-        threshold = self.settings.fast_threshold_n if fast else self.settings.threshold_n
-        return float(np.linalg.norm(force_W)) > threshold
 
     def _contact(self, state: FtState, sample: FtSample) -> ContactSet:
         settings, R_WH = self.settings, sample.R_WH
@@ -240,8 +229,108 @@ class FtContactModel:
         return ContactSet((sample.p_WH + R_WH @ p_H)[None], n_W[None])
 
 
-def _finite(sample: FtSample) -> bool:
-    vectors = (sample.wrench_H, sample.velocity_W, sample.p_WH, sample.approach_W)
-    # A sum of squares is finite only where all numbers are.
-    squares = sum(float(v @ v) for v in (*vectors, sample.R_WH.ravel()))
-    return math.isfinite(squares + sample.tare)
+def _knobs(settings: FtContactSettings, low_pass: LowPass, mass: float) -> _Knobs:
+    return _Knobs(
+        period_s=float(settings.period_s),
+        thresholds_n=(float(settings.threshold_n), float(settings.fast_threshold_n)),
+        fast_m_s=float(settings.fast_speed_m_s),
+        jump_n=float(settings.jump_n),
+        jump_samples=settings.jump_samples,
+        hold_samples=settings.hold_samples,
+        settled=settings.hold_samples + settings.settle_samples,
+        b=low_pass.b,
+        a=low_pass.a,
+        mass=float(mass),
+    )
+
+
+_NOT_FINITE, _QUIET, _READS = range(3)
+
+
+@njit(cache=True)
+def _advance(
+    state: Array,
+    wrench_H: Array,
+    R_WH: Array,
+    p_WH: Array,
+    velocity_W: Array,
+    approach_W: Array,
+    tare: float,
+    p_HCom: Array,
+    I_H: Array,
+    knobs: _Knobs,
+) -> int:
+    """State (STATE_SIZE,) after a sample, in place, but for what a contact's readings tell.
+
+    Returns _READS where a reading is to be taken, _NOT_FINITE where nothing was changed.
+    """
+    size = _sum(wrench_H) + _sum(velocity_W) + _sum(p_WH) + _sum(approach_W) + _sum(R_WH.ravel())
+    if not np.isfinite(size + tare * tare):
+        return _NOT_FINITE
+    outside = _filter(state, wrench_H, R_WH, velocity_W, p_HCom, I_H, knobs)
+    wrench, offset = state[_MEMORY_END:_WRENCH_END], state[_WRENCH_END:_OFFSET_END]
+    known = _sum(approach_W) > 0.0  # It ends with the motion.
+    if known or tare != state[_TARE]:
+        state[6:_MOTION_END] = approach_W
+    if tare != state[_TARE]:
+        offset[:] = wrench
+        state[_OFFSET_END:] = 0.0
+        state[_TARE], state[_STARTED] = tare, 1.0
+        return _QUIET
+    if tare == 0.0:
+        return _QUIET
+    state[_OFFSET_END:_FORCE_END] = R_WH @ (wrench - offset)[3:]
+    jump = np.sqrt(_sum((outside - offset)[3:])) > knobs.jump_n
+    state[_JUMPED] = state[_JUMPED] + 1.0 if jump else 0.0
+    # Eq. 4.8, with a higher threshold while the hand moves fast.
+    fast = np.sqrt(_sum(velocity_W[3:])) > knobs.fast_m_s
+    threshold = knobs.thresholds_n[1] if fast else knobs.thresholds_n[0]
+    touches = jump or np.sqrt(_sum(state[_OFFSET_END:_FORCE_END])) > threshold
+    state[_EXCEEDED] = _count(state, touches, knobs)
+    return _READS if touches and state[_EXCEEDED] <= knobs.settled else _QUIET
+
+
+@njit(cache=True)
+def _filter(
+    state: Array,
+    wrench_H: Array,
+    R_WH: Array,
+    velocity_W: Array,
+    p_HCom: Array,
+    I_H: Array,
+    knobs: _Knobs,
+) -> Array:
+    """Takes the hand's own load off the wrench and low-passes the rest (6,), which comes back."""
+    started = state[_STARTED] > 0.0
+    rate = (velocity_W - state[:6]) / knobs.period_s if started else np.zeros(6)
+    load = load_of(knobs.mass, p_HCom, I_H, R_WH, velocity_W[:3], rate[:3], rate[3:])
+    outside = wrench_H - load
+    low, high = state[_MOTION_END : _MOTION_END + 6], state[_MOTION_END + 6 : _MEMORY_END]
+    (b0, b1, b2), (a0, a1) = knobs.b, knobs.a
+    if not started:  # As if it had been so for ever
+        low[:], high[:] = (b1 - a0 + b2 - a1) * outside, (b2 - a1) * outside
+    out = b0 * outside + low
+    low[:], high[:] = b1 * outside - a0 * out + high, b2 * outside - a1 * out
+    state[_MEMORY_END:_WRENCH_END] = out
+    state[:6] = velocity_W
+    state[_STARTED] = 1.0
+    return outside
+
+
+@njit(cache=True)
+def _count(state: Array, touches: bool, knobs: _Knobs) -> float:
+    """Samples in a row above the threshold or the jump, and after the touch all that follow."""
+    if state[_TOUCHED] > 0.0:
+        return min(state[_EXCEEDED], knobs.settled) + 1.0
+    if state[_JUMPED] >= knobs.jump_samples:
+        return max(state[_EXCEEDED] + 1.0, knobs.hold_samples)
+    return state[_EXCEEDED] + 1.0 if touches else 0.0
+
+
+@njit(cache=True)
+def _sum(x: Array) -> float:
+    """Of squares."""
+    total = 0.0
+    for value in x:
+        total += value * value
+    return total

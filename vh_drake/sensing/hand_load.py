@@ -71,6 +71,15 @@ def load_of(
 
 
 @njit(cache=True)
+def shifted_wrench(R_HJ: Array, p_HJ: Array, torque_J: Array, force_J: Array) -> Array:
+    """Wrench (6,) [N m; N] about Ho in H of a torque (3,) and a force (3,) at Jo, in J."""
+    wrench = np.empty(6)
+    wrench[3:] = R_HJ @ force_J
+    wrench[:3] = R_HJ @ torque_J + cross(p_HJ, wrench[3:])
+    return wrench
+
+
+@njit(cache=True)
 def cross(a: Array, b: Array) -> Array:
     """The product of two vectors (3,)."""
     return np.array(

@@ -33,21 +33,27 @@ def wrist_noise(time_s: float, seed: int, settings: WristNoiseSettings | None = 
     periods of 23 to 67 s whose phases the seed draws.
     """
     s = settings or WristNoiseSettings()
-    tick = max(0, round(time_s * 1e6)) + 1
-    noise: Array = _normals(seed, tick)
-    noise[:3] = s.torque_std_nm * noise[:3]
-    noise[3:] = s.force_std_n * noise[3:]
-    _add_drift(noise, time_s, _phases(seed), s.torque_drift_nm, s.force_drift_n)
+    white, slow = (s.torque_std_nm, s.force_std_n), (s.torque_drift_nm, s.force_drift_n)
+    noise: Array = _noise(time_s, seed, _phases(seed), white, slow)
     return noise
 
 
 @njit(cache=True)
-def _add_drift(noise: Array, time_s: float, phases: Array, torque: float, force: float) -> None:
+def _noise(
+    time_s: float,
+    seed: int,
+    phases: Array,
+    white: tuple[float, float],
+    slow: tuple[float, float],
+) -> Array:
+    """Noise (6,); deviations of the white noise and amplitudes of the drift: torque, force."""
+    noise = _normals(seed, max(0, round(time_s * 1e6)) + 1)
     for i in range(6):
-        slow = 0.0
+        drift = 0.0
         for k in range(len(_PERIODS_S)):
-            slow += np.sin(2.0 * np.pi * time_s / _PERIODS_S[k] + phases[i, k])
-        noise[i] += (torque if i < 3 else force) * slow / len(_PERIODS_S)
+            drift += np.sin(2.0 * np.pi * time_s / _PERIODS_S[k] + phases[i, k])
+        noise[i] = white[i // 3] * noise[i] + slow[i // 3] * drift / len(_PERIODS_S)
+    return noise
 
 
 @njit(cache=True)
