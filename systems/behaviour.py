@@ -5,7 +5,7 @@ from collections import Counter
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.systems.framework import BasicVector, Context, InputPort, State
+from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPort, State
 
 from vh_drake.control.arm_collisions import ArmCollisions
 from vh_drake.control.kinematics import ArmKinematics
@@ -220,7 +220,7 @@ class Behaviour(CollectableSystem):
     def _served(self, context: Context, name: str, request: int) -> bool:
         return int(self._inputs[f"{name}_served"].Eval(context)[0]) == request
 
-    def _update(self, context: Context, state: State) -> None:
+    def _update(self, context: Context, state: State) -> EventStatus:
         mind = self._mind(context)
         step = {
             "look": self._look,
@@ -232,8 +232,10 @@ class Behaviour(CollectableSystem):
             "grasp": self._grasp,
             "let go": self._let_go,
         }.get(mind.story.phase)
-        if step is not None and (after := step(context, mind)) is not mind:
-            state.get_mutable_abstract_state(0).set_value(after)
+        if step is None or (after := step(context, mind)) is mind:
+            return EventStatus.DidNothing()
+        state.get_mutable_abstract_state(0).set_value(after)
+        return EventStatus.Succeeded()
 
     def _look(self, context: Context, mind: _Mind) -> _Mind:
         """S1: a look, kept until the next attempt."""

@@ -1,11 +1,12 @@
 """Runs motion programs: hand pose targets and motor commands over time."""
 
 import dataclasses as dc
+import math
 
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, State
+from pydrake.systems.framework import BasicVector, Context, EventStatus, State
 
 from vh_drake.grasping.closing_pose import closing_offset
 from vh_drake.hand.model import HandModel
@@ -32,7 +33,7 @@ class _Run(Immutable):
     since_s: float = 0.0
     X_WH0: Array = dc.field(default_factory=lambda: np.eye(4))  # at the leg's start
     motors0: Array = dc.field(default_factory=lambda: np.zeros(0))
-    offset0: Array = dc.field(default_factory=lambda: np.eye(4))  # closing offset there
+    X_WH0Open: Array = dc.field(default_factory=lambda: np.eye(4))  # of the hand if it were open
     held: Array | None = None  # hand pose since the motors stalled in a closing leg
     shift: Array = dc.field(default_factory=lambda: np.zeros(3))  # by which it has yielded [m]
     resisted: Array = dc.field(default_factory=lambda: np.zeros(3))  # sum of forces since opened
@@ -56,10 +57,14 @@ def _raised(X_WH: Array, rise_m: float) -> Array:
 def _towards(X_WH: Array, resisted: Array, way_m: float) -> Array:
     """Moved against the forces that a closing hand felt, which come from the object."""
     X = X_WH.copy()
-    size = float(np.linalg.norm(resisted))
+    size = _size(resisted)
     if size > 0:
         X[:3, 3] -= way_m * resisted / size
     return X
+
+
+def _size(vector: Array) -> float:
+    return math.sqrt(vector @ vector)
 
 
 def _shifted(X_WH: Array, shift: Array) -> Array:
@@ -70,7 +75,7 @@ def _shifted(X_WH: Array, shift: Array) -> Array:
 
 def _given_way(force: Array, over_n: float) -> Array:
     """Velocity (3,) with which a hand yields to a force (3,) over a threshold [m/s]."""
-    size = float(np.linalg.norm(force))
+    size = _size(force)
     if size <= over_n:
         return np.zeros(3)
     way: Array = min(YIELD_M_S_N * (size - over_n), YIELD_MOST_M_S) / size * force
@@ -183,33 +188,34 @@ class GraspExecutor(CollectableSystem):
         run: _Run = context.get_abstract_state(0).get_value()
         return run
 
-    def _update(self, context: Context, state: State) -> None:
-        run = self._run(context)
+    def _update(self, context: Context, state: State) -> EventStatus:
+        before = run = self._run(context)
         program: MotionProgram = self._program.Eval(context)
         if program.id > run.program.id:
             motors = self._motors(context, run)
             run = self._begin(context, dc.replace(run, program=program, leg=0, motors0=motors))
         elif (ended := self._ended(context, run)) is not None:
             run = self._next(context, run, felt=ended)
-        elif run.current is None or not run.current.closing or run.current.tape:
-            return
-        else:
+        elif run.current is not None and run.current.closing and not run.current.tape:
             if self._stalls(context, run):
                 run = dc.replace(run, held=self._closing_pose(context, run))
             run = self._yielding(context, run)
+        if run is before:
+            return EventStatus.DidNothing()
         state.get_mutable_abstract_state(0).set_value(run)
+        return EventStatus.Succeeded()
 
     def _yielding(self, context: Context, run: _Run) -> _Run:
         """The run after a period in which the hand gave way to the force on it."""
-        force = np.asarray(self._force.Eval(context))
-        level, up = force * [1.0, 1.0, 0.0], np.maximum(force, 0.0) * [0.0, 0.0, 1.0]
-        if np.linalg.norm(level) > YIELD_OVER_N:
+        x, y, z = self._force.Eval(context)
+        level, up = np.array([x, y, 0.0]), np.array([0.0, 0.0, max(z, 0.0)])
+        if _size(level) > YIELD_OVER_N:
             run = dc.replace(run, resisted=run.resisted + level)
         if run.current is None or not run.current.yields:
             return run
         velocity = _given_way(level, YIELD_OVER_N) + _given_way(up, PRESS_OVER_N)
         shift = run.shift + velocity * PERIOD_S
-        if not velocity.any() or np.linalg.norm(shift) > YIELD_MOST_M:
+        if not velocity.any() or _size(shift) > YIELD_MOST_M:
             return run
         return dc.replace(run, shift=shift)
 
@@ -234,7 +240,7 @@ class GraspExecutor(CollectableSystem):
             run,
             since_s=context.get_time(),
             X_WH0=X_WH0,
-            offset0=offset,
+            X_WH0Open=X_WH0 @ np.linalg.inv(offset),
             held=held,
             shift=np.zeros(3),
             tare=run.tare + leg.guarded,
@@ -307,7 +313,7 @@ class GraspExecutor(CollectableSystem):
         assert leg is not None
         travel = self._motors(context, run) if leg.tape else self._fraction.Eval(context)
         now = closing_offset(self._hand, leg.closing, travel)
-        X_WH: Array = run.X_WH0 @ np.linalg.inv(run.offset0) @ now
+        X_WH: Array = run.X_WH0Open @ now
         return X_WH
 
     def _calc_target(self, context: Context, output: Value) -> None:

@@ -97,6 +97,9 @@ class TrajectoryFollower(CollectableSystem):
 
     def _advance(self, context: Context, state: State) -> EventStatus:
         motion = self._motion_now(context)
+        before: _Motion = context.get_abstract_state(self._motion).get_value()
+        if motion.plan is None and before.plan is None:
+            return EventStatus.DidNothing()
         advanced = _Motion(motion.plan, motion.R_WT0, self._step(context).tau)
         state.get_mutable_abstract_state(self._motion).set_value(advanced)
         return EventStatus.Succeeded()

@@ -229,10 +229,11 @@ def _run(
     """Advance until the behaviour has finished."""
     simulator.Initialize()
     context = trial.decision.GetMyContextFromRoot(trial.context)
-    phase = ""
-    while simulator.get_context().get_time() < longest_s(trial.scenario):
+    phase, tick, finished = "", 0, False
+    while not finished:
         before = _Clock()
-        simulator.AdvanceTo(simulator.get_context().get_time() + WATCH_S)
+        tick += 1
+        simulator.AdvanceTo(tick * WATCH_S)  # The very times of the systems' events
         story: Story = trial.decision.GetOutputPort("story").Eval(context)
         _note(trial, judge, watch, story, phase, context)
         now_phase = trial.decision.GetOutputPort("phase").Eval(context)
@@ -243,8 +244,7 @@ def _run(
             phase = now_phase
             if on_phase is not None:
                 on_phase(phase, simulator.get_context().get_time())
-        if story.finished:
-            break
+        finished = story.finished or tick * WATCH_S >= longest_s(trial.scenario)
     return story
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from vh_drake.grasping.motions import pitched_rotation
+from vh_drake.grasping.motions import level_rotation
 from vh_drake.hand.model import HandModel
 from vh_drake.types import Array
 
@@ -20,7 +20,7 @@ def base_position(hand: HandModel, X_WH: Array, before: Array | None = None) -> 
         X_WH: wanted pose.
         before: earlier positions (6,), to which the angles stay next.
     """
-    R = X_WH[:3, :3] @ pitched_rotation(hand, 0.0).T
+    R = X_WH[:3, :3] @ level_rotation(hand).T
     angles = RollPitchYaw(RotationMatrix(R)).vector()[::-1]
     if before is not None:
         angles = angles + 2 * np.pi * np.round((before[3:] - angles) / (2 * np.pi))
@@ -31,6 +31,6 @@ def base_pose(hand: HandModel, position: Array) -> Array:
     """The inverse of `base_position`: X_WH (4, 4)."""
     X_WH = np.eye(4)
     turn = RollPitchYaw(position[:2:-1]).ToRotationMatrix().matrix()
-    X_WH[:3, :3] = turn @ pitched_rotation(hand, 0.0)
+    X_WH[:3, :3] = turn @ level_rotation(hand)
     X_WH[:3, 3] = position[:3]
     return X_WH

@@ -88,12 +88,12 @@ def collect_pose(hand: HandModel, angles: Array, settings: CollectSettings) -> A
 def pitched_rotation(hand: HandModel, pitch: float) -> Array:
     """Rotation (3, 3) with the palm down and the fingers along +x, pointing down by `pitch`."""
     c, s = np.cos(pitch), np.sin(pitch)
-    rotation: Array = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]) @ _level_rotation(hand)
+    rotation: Array = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]) @ level_rotation(hand)
     return rotation
 
 
 @lru_cache(maxsize=8)
-def _level_rotation(hand: HandModel) -> Array:
+def level_rotation(hand: HandModel) -> Array:
     """That of a hand which lies flat; not writable."""
     along, palm = hand_axes(hand)
     R_H = np.stack([along, np.cross(-palm, along), -palm])  # rows: forward, left, up

@@ -9,10 +9,11 @@ let the table bend them around its far side, and only then do their motors pull.
 """
 
 import dataclasses as dc
+import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from vh_drake.grasping.motions import CollectSettings, collect_pose, hand_axes, pitched_rotation
 from vh_drake.hand.model import HandModel
@@ -43,24 +44,34 @@ def press_offset(hand: HandModel, fraction: Array) -> Array:
 
     The open hand is where `collect_pose` has it.
     """
-    X_TH0, pitch, p = _open(hand)
-    now_pitch, now_p = _pressing(hand, hand.joint_angles(fraction))
-    fingers = np.asarray(fraction)[hand.motor_of_finger][hand.opposing == 0].mean()
-    left = max(1.0 - float(fingers) / _SETTINGS.eased_over, 0.0)
+    start = _start(hand)
+    pitch, p = _pressing(hand, hand.joint_angles(fraction))
+    left = max(1.0 - float(start.fingers @ fraction) / _SETTINGS.eased_over, 0.0)
     X_TH = np.eye(4)
-    X_TH[:3, :3] = pitched_rotation(hand, now_pitch + left * pitch)
-    X_TH[:3, 3] = now_p + left * p
-    offset: Array = np.linalg.inv(X_TH0) @ X_TH
+    X_TH[:3, :3] = pitched_rotation(hand, pitch + left * start.pitch)
+    X_TH[:3, 3] = p + left * start.p
+    offset: Array = start.X_H0T @ X_TH
     return offset
 
 
+class _Start(NamedTuple):
+    """The open hand."""
+
+    X_H0T: Array  # (4, 4) of the table in it
+    pitch: float  # by which it is pitched more than a pressing hand would be [rad]
+    p: Array  # (3,) by which its place differs [m]
+    fingers: Array  # (k,) share of each motor in the fingers' mean travel
+
+
 @lru_cache(maxsize=8)  # Wanted in every period of a closing hand
-def _open(hand: HandModel) -> tuple[Array, float, Array]:
-    """The open hand's pose, and how its pitch and position differ from a pressing hand's."""
+def _start(hand: HandModel) -> _Start:
     angles = hand.joint_angles(np.zeros(len(hand.description.motors)))
     X_TH0 = collect_pose(hand, angles, CollectSettings())
     pitch, p = _pressing(hand, angles)
-    return X_TH0, _pitch_of(hand, X_TH0) - pitch, X_TH0[:3, 3] - p
+    motors = hand.motor_of_finger[hand.opposing == 0]
+    fingers = np.bincount(motors, minlength=len(hand.description.motors)) / len(motors)
+    X_H0T: Array = np.asarray(np.linalg.inv(X_TH0), float)
+    return _Start(X_H0T, _pitch_of(hand, X_TH0) - pitch, X_TH0[:3, 3] - p, fingers)
 
 
 def _pitch_of(hand: HandModel, X_TH: Array) -> float:
@@ -72,28 +83,44 @@ def _pressing(hand: HandModel, angles: Array) -> tuple[float, Array]:
     """Pitch [rad] and position (3,) over a table z = 0 at free joint angles (n,).
 
     Fingertips, on average, and thumb are equally high, as far as the pitch's limits allow; the
-    thumb's height then tells the hand's.
+    thumb's height then tells the hand's. A point x of H is as high as
+    -(a . x) sin(pitch) - (b . x) cos(pitch), with a along the fingers and b out of the palm.
     """
-    s, thumbs = _SETTINGS, hand.opposing == 1
-    centers, radii = hand.spheres(angles)
-    centers, radii = centers[hand.tip_spheres], radii[hand.tip_spheres]
-
-    def heights(pitch: float) -> tuple[float, float]:
-        z = centers @ pitched_rotation(hand, pitch)[2] - radii
-        return float(z[~thumbs].mean()), float(z[thumbs].mean())
-
-    def apart(pitch: float) -> float:
-        fingers, thumb = heights(pitch)
-        return fingers - thumb
-
-    low, high = np.deg2rad([s.least_pitch_deg, s.most_pitch_deg])
-    if apart(low) <= 0.0:
-        pitch = float(low)
-    elif apart(high) >= 0.0:
-        pitch = float(high)
-    else:
-        pitch = float(brentq(apart, low, high, xtol=1e-6))
-    fingers, thumb = heights(pitch)
+    s, (along, palm), (shares, radii) = _SETTINGS, hand_axes(hand), _tips(hand)
+    tips = shares @ hand.spheres(angles)[0]
+    forth, out = tips @ along, tips @ palm
+    apart = float(forth[0] - forth[1]), float(out[0] - out[1]), float(radii[0] - radii[1])
+    pitch = _even_pitch(*apart, np.deg2rad(s.least_pitch_deg), np.deg2rad(s.most_pitch_deg))
+    fingers, thumb = -forth * np.sin(pitch) - out * np.cos(pitch) - radii
     tcp = pitched_rotation(hand, pitch) @ np.asarray(hand.description.tcps["power"])
-    height = s.clearance_m - min(thumb, fingers + s.deepest_m)
+    height = s.clearance_m - min(float(thumb), float(fingers) + s.deepest_m)
     return pitch, np.array([-tcp[0], -tcp[1], height])
+
+
+def _even_pitch(forth: float, out: float, radius: float, least: float, most: float) -> float:
+    """Pitch [rad] at which fingers, so far from the thumb in H [m], are as high as it is.
+
+    They are higher by -forth sin(pitch) - out cos(pitch) - radius, which falls to zero where
+    pitch + atan2(out, forth) is an arc sine.
+    """
+
+    def higher(pitch: float) -> float:
+        return -forth * math.sin(pitch) - out * math.cos(pitch) - radius
+
+    if higher(least) <= 0.0:
+        return least
+    if higher(most) >= 0.0:
+        return most
+    pitch = math.asin(-radius / math.hypot(forth, out)) - math.atan2(out, forth)
+    return (pitch + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@lru_cache(maxsize=8)
+def _tips(hand: HandModel) -> tuple[Array, Array]:
+    """Shares (2, m) of spheres in the mean fingertip and thumb, and these' radii (2,) [m]."""
+    radii = hand.arrays.sphere_radius
+    shares = np.zeros((2, len(radii)))
+    for row, thumbs in enumerate((0, 1)):
+        own = hand.tip_spheres[hand.opposing == thumbs]
+        shares[row, own] = 1.0 / len(own)
+    return shares, shares @ radii
