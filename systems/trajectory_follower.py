@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import BasicVector, Context, EventStatus, State
+from pydrake.systems.framework import BasicVector, Context, EventStatus, State, ValueProducer
 
 from vh_drake.exploration.follow import FollowSettings, FollowStep, follow
 from vh_drake.systems.collectable import CollectableSystem
@@ -67,10 +67,16 @@ class TrajectoryFollower(CollectableSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period_s, 0.0, self._advance)
         inputs = {port.ticket() for port in (self._plan, self._pose, self._enable)}
         needs = inputs | {self.abstract_state_ticket(self._motion)}
+        self._kept = self.DeclareCacheEntry(
+            "step",
+            ValueProducer(lambda: Value[object](None), self.weakly(self._calc_step)),
+            prerequisites_of_calc=needs,
+        ).cache_index()  # The entry itself would keep this system for ever.
+        after = {self.cache_entry_ticket(self._kept)}
         self.DeclareVectorOutputPort(
-            "spatial_velocity", 6, self._calc_velocity, prerequisites_of_calc=needs
+            "spatial_velocity", 6, self._calc_velocity, prerequisites_of_calc=after
         )
-        self.DeclareVectorOutputPort("missed", 1, self._calc_missed, prerequisites_of_calc=needs)
+        self.DeclareVectorOutputPort("missed", 1, self._calc_missed, prerequisites_of_calc=after)
 
     def _motion_now(self, context: Context) -> _Motion:
         """The motion under way, begun anew where enable or plan has just changed."""
@@ -84,16 +90,18 @@ class TrajectoryFollower(CollectableSystem):
         return _Motion(plan, RotationMatrix(self._pose.Eval(context).rotation()))
 
     def _step(self, context: Context) -> FollowStep:
+        step: FollowStep = self.get_cache_entry(self._kept).Eval(context)
+        return step
+
+    def _calc_step(self, context: Context, output: Value) -> None:
         motion = self._motion_now(context)
-        if motion.plan is None:
-            return FollowStep(np.zeros(6), 0.0, False)
-        return follow(
-            motion.plan,
-            motion.R_WT0,
-            self._pose.Eval(context),
-            tau_from=motion.tau,
-            settings=self._settings,
-        )
+        step = FollowStep(np.zeros(6), 0.0, False)
+        if motion.plan is not None:
+            pose = self._pose.Eval(context)
+            step = follow(
+                motion.plan, motion.R_WT0, pose, tau_from=motion.tau, settings=self._settings
+            )
+        output.set_value(step)
 
     def _advance(self, context: Context, state: State) -> EventStatus:
         motion = self._motion_now(context)
