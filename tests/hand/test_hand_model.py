@@ -1,3 +1,5 @@
+import os
+
 import numpy as np
 import pytest
 from pydrake.geometry import Box, Capsule, Cylinder, HalfSpace, Sphere
@@ -156,3 +158,15 @@ def test_a_broken_model_file_is_refused(gripper_file):
     (gripper_file.parent / "gripper.urdf").write_text("<robot name='x'><link")
     with pytest.raises(BadInput, match="can't read the hand model"):
         read_hand_model(load_hand(gripper_file))
+
+
+def test_a_hand_is_read_once_until_its_description_or_its_model_changes(gripper_file):
+    first = read_hand_model(load_hand(gripper_file))
+    assert read_hand_model(load_hand(gripper_file)) is first
+    gripper_file.write_text(YAML.replace("name: gripper", "name: other"))
+    assert read_hand_model(load_hand(gripper_file)).description.name == "other"
+    gripper_file.write_text(YAML)
+    model = gripper_file.parent / "gripper.urdf"
+    model.write_text(model.read_text().replace("0.04", "0.05"))
+    os.utime(model, ns=(0, 1))
+    assert not np.array_equal(read_hand_model(load_hand(gripper_file)).upper, first.upper)

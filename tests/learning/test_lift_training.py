@@ -2,14 +2,11 @@ import dataclasses as dc
 
 import numpy as np
 import pytest
-from learning_scenes import can_scene
-from scenery import right_hand
 from sklearn.ensemble import ExtraTreesClassifier
 
 from vh_drake.errors import BadInput
 from vh_drake.learning.calibration import auc
-from vh_drake.learning.knowledge import scene_knowledge
-from vh_drake.learning.lift_inputs import INPUTS, lift_inputs, with_success
+from vh_drake.learning.lift_inputs import INPUTS
 from vh_drake.learning.lift_model import golden_rates, load_lift_model, save_lift_model
 from vh_drake.learning.lift_training import (
     LiftSamples,
@@ -19,11 +16,9 @@ from vh_drake.learning.lift_training import (
     folds,
     grown,
     lift_samples,
-    scene_inputs,
 )
-from vh_drake.learning.metric import Prediction, load_metric, shipped_weights
+from vh_drake.learning.metric import load_metric, shipped_weights
 from vh_drake.learning.training_objects import VALIDATION_KINDS
-from vh_drake.types import Candidates
 
 QUICK = LiftTrainingSettings(trees=40)
 
@@ -79,16 +74,21 @@ def test_the_same_samples_give_the_same_model(model):
     assert again.calibration == model.calibration
 
 
+def with_a_stray_node(trees, name, value):
+    """One more node, to which no tree leads, with a wrong value."""
+    stray = {"feature": 0, "threshold": 0.0, "left": 0, "right": 0, "share": 0.5, name: value}
+    added = {key: np.append(getattr(trees, key), own) for key, own in stray.items()}
+    return dc.replace(trees, **added)
+
+
 def test_a_model_survives_its_file_and_another_file_is_refused(model, tmp_path):
     path = tmp_path / "lift_model.safetensors"
     save_lift_model(path, model)
     inputs = samples(20, seed=2).inputs
     read = load_lift_model(path)
     np.testing.assert_allclose(read.rate(inputs), model.rate(inputs), atol=1e-6)
-    for name, value in (("left", len(model.trees.left)), ("right", -1), ("feature", INPUTS)):
-        wrong = getattr(model.trees, name).copy()
-        wrong[3] = value
-        save_lift_model(path, dc.replace(model, trees=dc.replace(model.trees, **{name: wrong})))
+    for name, value in (("left", len(model.trees.left) + 1), ("right", -1), ("feature", INPUTS)):
+        save_lift_model(path, dc.replace(model, trees=with_a_stray_node(model.trees, name, value)))
         with pytest.raises(BadInput, match="lead nowhere"):
             load_lift_model(path)
     with pytest.raises(BadInput, match="train anew"):
@@ -128,30 +128,3 @@ def test_without_lifts_there_is_nothing_to_learn_from(tmp_path):
     (tmp_path / "scenes-00000.parquet").touch()
     with pytest.raises(BadInput):
         lift_samples([tmp_path], None, workers=1)
-
-
-def test_inputs_are_finite_and_of_one_magnitude():
-    known, hand = scene_knowledge(can_scene()), right_hand()
-
-    def told(count, success):
-        return Prediction(*(np.full(count, p) for p in (success, 0.6, 0.0)))
-
-    count = len(known.candidates)
-    inputs = lift_inputs(known, hand, told(count, 1.0))
-    assert inputs.shape == (count, INPUTS)
-    assert np.isfinite(inputs).all()
-    assert np.abs(inputs).max() < 10
-    other = with_success(inputs, np.full(count, 0.3))
-    np.testing.assert_array_equal(other, lift_inputs(known, hand, told(count, 0.3)))
-    none = scene_knowledge(can_scene(), Candidates())
-    assert lift_inputs(none, hand, told(0, 1.0)).shape == (0, INPUTS)
-
-
-def test_inputs_of_a_scene_are_those_of_the_chosen_grasps():
-    scene = can_scene()
-    some = scene_inputs(scene, np.array([3, 1]), None)
-    other = scene_inputs(scene, np.array([1]), None)
-    assert some.shape == (2, INPUTS)
-    stochastic = [3, 5, 6, 7, 8, 9]  # hints from disturbances, which are drawn for each set
-    fixed = np.setdiff1d(np.arange(10, INPUTS), stochastic)
-    np.testing.assert_allclose(some[1][fixed], other[0][fixed], atol=1e-9)

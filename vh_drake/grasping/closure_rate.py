@@ -116,8 +116,7 @@ def _check(settings: PerturbationSettings) -> None:
 def _link_kinds(hand: HandModel) -> IntArray:
     """(n + 1,) finger of each link; thumbs count from -2 downwards, the base is -1."""
     finger = hand.finger_of_link
-    thumb = (finger >= 0) & (hand.opposing[np.maximum(finger, 0)] == 1)
-    kinds: IntArray = np.where(thumb, -2 - finger, finger)
+    kinds: IntArray = np.where(hand.thumb_links, -2 - finger, finger)
     return kinds
 
 

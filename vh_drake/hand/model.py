@@ -1,7 +1,7 @@
 """Any described hand as plain arrays: kinematics, springs, and a model of spheres."""
 
 import dataclasses as dc
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from pydrake.multibody.tree import (
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from vh_drake.errors import BadInput, UnknownName
+from vh_drake.geometry.meshes import Mask
 from vh_drake.hand.description import HandDescription
 from vh_drake.hand.kinematics import HandArrays, link_poses, sphere_centers
 from vh_drake.hand.spheres import cover
@@ -80,6 +81,13 @@ class HandModel:
         opposing: IntArray = (motion @ _unit(closing) < _OPPOSES_BELOW).astype(np.int64)
         return opposing
 
+    @cached_property
+    def thumb_links(self) -> Mask:
+        """(n + 1,) which links belong to a thumb."""
+        finger = self.finger_of_link
+        thumb: Mask = (finger >= 0) & (self.opposing[np.maximum(finger, 0)] == 1)
+        return thumb
+
     def joint_angles(self, motor_fraction: Array) -> Array:
         """Free-space joint angles (..., n) where motors have gone fractions 0..1 (..., motors).
 
@@ -131,13 +139,30 @@ class HandModel:
 
 
 def read_hand_model(description: HandDescription) -> HandModel:
-    """Read a described hand through Drake.
+    """Read a described hand through Drake; the same one while description and file stay alike.
 
     Raises:
         BadInput: the model file can't be parsed, or a joint is neither revolute nor prismatic,
             or is unbounded.
         UnknownName: a link or joint of the description is not in the model.
     """
+    return _read(_Described(description, repr(description), _modified(Path(description.model))))
+
+
+@dc.dataclass(frozen=True)
+class _Described:
+    description: HandDescription = dc.field(compare=False)
+    text: str
+    modified_ns: int  # of the model file
+
+
+def _modified(path: Path) -> int:
+    return path.stat().st_mtime_ns if path.is_file() else 0
+
+
+@lru_cache(maxsize=8)
+def _read(described: _Described) -> HandModel:
+    description = described.description
     plant, inspector, context = _parse(description)
     joints = tuple(name for finger in description.fingers for name in finger.joints)
     moved = tuple(name for finger in description.fingers for name in finger.links)

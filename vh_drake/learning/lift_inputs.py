@@ -12,6 +12,7 @@ import numpy as np
 from vh_drake.grasping.closing import Closure
 from vh_drake.grasping.field import ObjectField
 from vh_drake.grasping.in_hand import PlaceSettings, lie_in_hand, narrowest
+from vh_drake.grasping.motions import hand_axes
 from vh_drake.hand.model import HandModel
 from vh_drake.learning.hints import hint_inputs
 from vh_drake.learning.knowledge import Knowledge
@@ -41,7 +42,7 @@ def lift_inputs(known: Knowledge, hand: HandModel, told: Prediction) -> Array:
             side,
             hint_inputs(known.hints, len(candidates))[:, 1:],
             _lie(candidates, known.surface, estimate, hand),
-            _touched(known.hints.closures, candidates, estimate),
+            _touched(known.hints.closures, candidates, known.surface, estimate, hand),
         ]
     )
     return inputs
@@ -59,26 +60,32 @@ def _odds(probability: Array) -> Array:
 
 
 def _lie(candidates: Candidates, surface: Surface, estimate: ObjectField, hand: HandModel) -> Array:
-    """How the object lies in the open hand, and its size (n, 9)."""
+    """How the object lies in the open hand, and its size (n, 12)."""
     names, up = np.array(candidates.motion), np.asarray(estimate.table.normal, dtype=float)
-    lie = np.zeros((len(candidates), 5))
+    fingers, palm = (candidates.X_WH[:, :3, :3] @ axis for axis in hand_axes(hand))
+    lie = np.zeros((len(candidates), 7))
     for motion in np.unique(names):
         own = names == motion
         found = lie_in_hand(
             candidates.X_WH[own], str(motion), surface.vertices, estimate, hand, PlaceSettings()
         )
-        lie[own] = np.column_stack(
-            [
-                found.met * _LENGTH_M,
-                found.middle,
-                found.excess,
-                found.beside,
-                estimate.table.height(candidates.X_WH[own, :3, 3]),
-            ]
+        lie[own, :4] = np.column_stack(
+            [found.met * _LENGTH_M, found.middle, found.excess, found.beside]
         )
+    tcp = candidates.X_WH[:, :3, :3] @ np.asarray(hand.description.tcps["power"])
+    to_center = estimate.center - tcp - candidates.X_WH[:, :3, 3]
+    lie[:, 4] = estimate.table.height(candidates.X_WH[:, :3, 3])
+    lie[:, 5] = (to_center * np.cross(fingers, palm)).sum(axis=1)
+    lie[:, 6] = _LENGTH_M * (fingers @ up)
     heights = estimate.table.height(surface.vertices)
     center = estimate.table.height(estimate.center)
-    size = [narrowest(surface.vertices, up), heights.max(), center, _edge(estimate)]
+    size = [
+        narrowest(surface.vertices, up),
+        heights.max(),
+        center,
+        _edge(estimate),
+        _longest(surface.vertices),
+    ]
     return np.column_stack([lie, np.tile(size, (len(lie), 1))]) / _LENGTH_M
 
 
@@ -88,18 +95,34 @@ def _edge(estimate: ObjectField) -> float:
     return float(np.cbrt(inside.sum()) * estimate.distance.spacing)
 
 
-def _touched(closures: Sequence[Closure], candidates: Candidates, estimate: ObjectField) -> Array:
-    """Where and at what slope the undisturbed hand touches (n, 8)."""
+def _longest(vertices: Array) -> float:
+    """Length along the principal axis of points (v, 3) [m]."""
+    centered = vertices - vertices.mean(axis=0)
+    axis = np.linalg.eigh(centered.T @ centered)[1][:, -1]
+    return float(np.ptp(centered @ axis))
+
+
+def _touched(
+    closures: Sequence[Closure],
+    candidates: Candidates,
+    surface: Surface,
+    estimate: ObjectField,
+    hand: HandModel,
+) -> Array:
+    """Where and at what slope the undisturbed hand touches (n, 10)."""
+    top = float(estimate.table.height(surface.vertices).max())
     rows = [
-        _touch(closure, X_WH, estimate)
+        _touch(closure, X_WH, top, estimate, hand)
         for closure, X_WH in zip(closures, candidates.X_WH, strict=True)
     ]
-    return np.array(rows).reshape(-1, 8)
+    return np.array(rows).reshape(-1, 10)
 
 
-def _touch(closure: Closure, X_WH: Array, estimate: ObjectField) -> list[float]:
+def _touch(
+    closure: Closure, X_WH: Array, top: float, estimate: ObjectField, hand: HandModel
+) -> list[float]:
     if len(closure.p_WC) == 0:
-        return [0.0] * 8
+        return [0.0] * 10
     up = np.asarray(estimate.table.normal, dtype=float)
     slope, height = closure.n_WC @ up, estimate.table.height(closure.p_WC)
     middle = closure.p_WC.mean(axis=0)
@@ -108,11 +131,24 @@ def _touch(closure: Closure, X_WH: Array, estimate: ObjectField) -> list[float]:
     lengths = [
         height.mean(),
         height.min(),
+        top - height.mean(),
         np.linalg.norm(closure.p_WC - middle, axis=1).max(),
         np.linalg.norm(aside),
         np.linalg.norm(closure.X_WH[:3, 3] - X_WH[:3, 3]),
     ]
-    return [slope.mean(), slope.min(), slope.max(), *(float(x) / _LENGTH_M for x in lengths)]
+    own = [float(x) / _LENGTH_M for x in lengths]
+    return [slope.mean(), slope.min(), slope.max(), _facing(closure, hand), *own]
 
 
-INPUTS = 3 + 10 + 9 + 8
+def _facing(closure: Closure, hand: HandModel) -> float:
+    """Cosine between the mean normals at the thumb and elsewhere; -1 where they face each other.
+
+    It is 1 where one of them touches nothing.
+    """
+    thumb = hand.thumb_links[closure.links]
+    if thumb.all() or not thumb.any():
+        return 1.0
+    return float(closure.n_WC[thumb].mean(axis=0) @ closure.n_WC[~thumb].mean(axis=0))
+
+
+INPUTS = 3 + 10 + 12 + 10

@@ -32,7 +32,7 @@ class LiftTrainingSettings:
     """How the trees are grown."""
 
     trees: int = 100
-    leaf: int = 3  # grasps at least
+    leaf: int = 5  # grasps at least
     inputs_share: float = 0.4  # of the inputs, among which a node chooses
     folds: int = 8  # of the objects, to tell how well unknown ones are judged
     seed: int = 0
