@@ -1,4 +1,5 @@
 import dataclasses as dc
+import itertools
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from vh_drake.grasping.phases import hand_is_open
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.clearance import link_clearance
+from vh_drake.hand.program import interpolate
 from vh_drake.types import Candidates
 
 SETTINGS = GraspMotionSettings()
@@ -91,7 +93,7 @@ def test_legs_close_only_after_the_guarded_approach_and_then_lift(side_grasps):
     for leg in legs[names.index("close") :]:
         np.testing.assert_array_equal(leg.motors, 1.0)
     lift, hold = legs[-2:]
-    assert (lift.rise_m, hold.rise_m) == (SETTINGS.lift_m, 0.0)
+    assert (lift.rise_m, hold.rise_m) == (SETTINGS.rise_m("side"), 0.0)
     assert hold.duration_s > 3.0
 
 
@@ -128,7 +130,7 @@ def test_an_open_loop_plays_a_tape_and_a_closed_one_does_not():
         assert [leg.name for leg in fingers] == ["gather", "press", "close", "squeeze"]
         assert all(leg.tape == tape and leg.yields != tape for leg in fingers)
         assert any(leg.otherwise for leg in legs) != tape
-        assert sum(leg.rise_m or 0.0 for leg in legs) == pytest.approx(SETTINGS.lift_m)
+        assert sum(leg.rise_m or 0.0 for leg in legs) == pytest.approx(SETTINGS.rise_m("collect"))
 
 
 def test_an_empty_hand_closes_once_more_from_where_it_began():
@@ -209,3 +211,31 @@ def test_it_rises_as_far_as_the_way_back_is_free():
     legs = released(collisions)[1]
     assert legs[1].X_WH[2, 3] - X_WH[2, 3] == pytest.approx(0.15)
     np.testing.assert_allclose(collisions.asked, can_view().table.offset, atol=1e-9)
+
+
+def test_a_hand_that_can_not_go_over_the_object_goes_from_home_straight_beside_it(side_grasps):
+    arm, hand, scene = right_arm(), right_hand(), can_scene()
+    home = arm.pose(arm.home)
+    ways = []
+
+    class OverIsBarred:
+        """Finds a collision wherever the hand comes from above."""
+
+        def first(self, q, table_height_m):
+            ways.append(max(arm.pose(row)[2, 3] for row in q[: len(q) // 2]))
+            return "collision" if len(ways) % 2 else None
+
+    order = range(len(side_grasps))
+    index, legs = find_grasp(
+        side_grasps, order, scene, hand, arm, arm.home, collisions=OverIsBarred()
+    )
+    assert found(side_grasps, order)[0] == index
+    assert ways[1] <= ways[0] + 1e-9
+    np.testing.assert_allclose(legs[1].X_WH, home, atol=1e-9)
+    palm = side_grasps.X_WH[index][:3, :3] @ np.asarray(hand.description.palm)
+    beside = side_grasps.X_WH[index][:3, 3] - SETTINGS.standoff_m * palm
+    np.testing.assert_allclose(legs[2].X_WH[:3, 3], beside, atol=1e-9)
+    for first, second in itertools.pairwise(legs[:3]):
+        for share in np.linspace(0, 1, 60):
+            X_WH = interpolate(first.X_WH, second.X_WH, share)
+            assert link_clearance(hand, X_WH, scene)[0].min() > 0.015

@@ -104,7 +104,7 @@ def checked(
         X = candidates.X_WH[i]
         way = approach_poses(X, candidates.motion[i], scene, hand, X_WH_now, motion)
         lifted = X.copy()
-        lifted[:3, 3] += motion.lift_m * table.normal
+        lifted[:3, 3] += motion.rise_m(candidates.motion[i]) * table.normal
         rows.append(
             (
                 solve_ik(arm, X) is not None,

@@ -1,7 +1,7 @@
 """From a rated candidate to the motion that executes it (section 4.5.4)."""
 
 import dataclasses as dc
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -10,10 +10,11 @@ from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.control.reach import rollout
 from vh_drake.hand.clearance import Obstacles, link_clearance
 from vh_drake.hand.model import HandModel
-from vh_drake.hand.program import SLOW_M_S, Leg, path, travel_time
+from vh_drake.hand.program import SLOW_M_S, Leg, interpolate, path, travel_time
 from vh_drake.types import Array, Candidates, Plane
 
 CLOSINGS = ("closed_loop", "open_loop")
+_LOOKS, _OFF_M = 25, 0.02  # poses of a way between which nothing is missed, their clearance
 _RISES_M = (0.05, 0.1, 0.15, 0.2)  # of a hand that lets go, before it travels back
 
 
@@ -44,9 +45,14 @@ class GraspMotionSettings:
     weigh_m: float = 0.0  # piece of the lift after which a closed loop weighs; 0: it does not
     least_load_n: float = 0.12
     seek_m: float = 0.015  # of a second closing, towards what resisted the first
-    lift_m: float = 0.23  # 15 cm, what a heavy or long object may sag, and what a hand yields
+    lift_m: float = 0.23  # 15 cm, what a heavy object may sag, and what a closing hand yields
+    hang_m: float = 0.05  # more for a collecting hand: what it takes lies, and hangs once lifted
     lift_s: float = 1.6
     hold_s: float = 3.2
+
+    def rise_m(self, motion: str) -> float:
+        """How high a closing motion lifts [m]."""
+        return self.lift_m + (self.hang_m if motion == "collect" else 0.0)
 
 
 def find_grasp(
@@ -76,22 +82,55 @@ def find_grasp(
         Index of the candidate and legs; None where the arm can reach none.
     """
     settings = settings or GraspMotionSettings()
+    X_WH_now, home = kinematics.pose(q), kinematics.pose(kinematics.home)
     for index in ranking:
-        approach = approach_poses(
-            candidates.X_WH[index],
-            candidates.motion[index],
-            scene,
-            hand,
-            kinematics.pose(q),
-            settings,
-        )
-        lifted = approach[-1].copy()
-        lifted[:3, 3] += settings.lift_m * scene.table.normal
-        way = rollout(kinematics, q, [*approach, lifted])
-        if way.reached and not (collisions and collisions.first(way.q, scene.table_height_m)):
-            motion = candidates.motion[index]
-            return index, _legs(approach, motion, hand, kinematics.pose(q), settings)
+        motion = candidates.motion[index]
+        over = approach_poses(candidates.X_WH[index], motion, scene, hand, X_WH_now, settings)
+        for approach in _ways(over, motion, scene, hand, home):
+            if _can_go(approach, motion, scene, kinematics, q, settings, collisions):
+                return index, _legs(approach, motion, hand, X_WH_now, settings)
     return None
+
+
+def _ways(
+    over: list[Array], motion: str, scene: Obstacles, hand: HandModel, home: Array
+) -> Iterator[list[Array]]:
+    """The way over the object, and for a side grasp one that goes from home straight beside it.
+
+    Where the hand faces away from the robot, the arm often can't hold it that high.
+    """
+    yield over
+    if motion == "side":
+        raised, _, beside, last = over
+        shares = np.linspace(0.0, 1.0, _LOOKS)
+        between = (
+            interpolate(X_WA, X_WB, share)
+            for X_WA, X_WB in ((raised, home), (home, beside))
+            for share in shares
+        )
+        if all(_is_off(X_WH, scene, hand) for X_WH in between):
+            yield [raised, home, beside, last]
+
+
+def _is_off(X_WH: Array, scene: Obstacles, hand: HandModel) -> bool:
+    """Whether the open hand is well off the object."""
+    return bool(link_clearance(hand, X_WH, scene)[0].min() > _OFF_M)
+
+
+def _can_go(
+    approach: list[Array],
+    motion: str,
+    scene: Obstacles,
+    kinematics: ArmKinematics,
+    q: Array,
+    settings: GraspMotionSettings,
+    collisions: ArmCollisions | None,
+) -> bool:
+    """Whether the arm can go through the poses and lift, and meets nothing known."""
+    lifted = approach[-1].copy()
+    lifted[:3, 3] += settings.rise_m(motion) * scene.table.normal
+    way = rollout(kinematics, q, [*approach, lifted])
+    return way.reached and not (collisions and collisions.first(way.q, scene.table_height_m))
 
 
 def release_legs(
@@ -171,9 +210,9 @@ def _legs(
 ) -> tuple[Leg, ...]:
     """Through the air, guarded to the object, then close, squeeze, lift and hold."""
     open_hand = hand.motor_fractions(0.0, 0.0)
-    names = ["raise the hand", "over to the grasp", "down beside the object"]
     *free, last = approach
-    legs = path(X_WH_now, free, names[: len(free)], open_hand)
+    names = ["raise the hand", "over to the grasp", "beside the object"][: len(free)]
+    legs = path(X_WH_now, free, names, open_hand)
     slow = travel_time(free[-1], last, linear_m_s=2 * SLOW_M_S)
     legs += (
         Leg("settle", free[-1], open_hand, 0.3),
@@ -187,16 +226,17 @@ def closing_legs(
 ) -> tuple[Leg, ...]:
     """Close, squeeze, lift and hold, from an open hand in its place X_WH (4, 4)."""
     s, closed = settings, hand.motor_fractions(1.0, 1.0)
-    fingers = _finger_legs(X_WH, motion, hand, s)
+    fingers, rise_m = _finger_legs(X_WH, motion, hand, s), s.rise_m(motion)
+    lift_s = s.lift_s * rise_m / s.lift_m
     up = (
-        Leg("lift", X_WH, closed, s.lift_s, rise_m=s.lift_m),
+        Leg("lift", X_WH, closed, lift_s, rise_m=rise_m),
         Leg("hold", X_WH, closed, s.hold_s, rise_m=0.0),
     )
     if s.closing == "open_loop" or s.weigh_m == 0:
         return (*fingers, *up)
-    share = s.weigh_m / s.lift_m
-    first = Leg("lift", X_WH, closed, max(share * s.lift_s, 0.4), rise_m=s.weigh_m)
-    rest = dc.replace(up[0], rise_m=s.lift_m - s.weigh_m, duration_s=(1 - share) * s.lift_s)
+    share = s.weigh_m / rise_m
+    first = Leg("lift", X_WH, closed, max(share * lift_s, 0.4), rise_m=s.weigh_m)
+    rest = dc.replace(up[0], rise_m=rise_m - s.weigh_m, duration_s=(1 - share) * lift_s)
     again = (*_opening_legs(X_WH, motion, hand, s), *fingers, *up)
     weighed = dc.replace(first, least_load_n=s.least_load_n, otherwise=again)
     return (*fingers, weighed, rest, up[1])

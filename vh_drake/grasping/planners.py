@@ -98,7 +98,7 @@ def _way(X_WH: Array, approach: str, site: Site) -> Array:
     """What the arm must be able to do (n, k, 4, 4): hold the hand over its place, in it, off it."""
     motion = GraspMotionSettings()
     lifted = X_WH.copy()
-    lifted[:, :3, 3] += motion.lift_m * site.X_WT[:3, 2]
+    lifted[:, :3, 3] += motion.rise_m(approach) * site.X_WT[:3, 2]
     if approach == "collect":
         return np.stack([lifted, X_WH], axis=1)
     beside = X_WH.copy()

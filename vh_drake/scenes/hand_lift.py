@@ -31,7 +31,7 @@ _HELD_SHARE = 0.5  # of the lift's height: long objects hang
 
 def lift_motion() -> GraspMotionSettings:
     """A grasp as in a whole trial, with a shorter lift and hold."""
-    return GraspMotionSettings(lift_m=0.1, lift_s=0.8, hold_s=0.7)
+    return GraspMotionSettings(lift_m=0.1, hang_m=0.0, lift_s=0.8, hold_s=0.7)
 
 
 @dc.dataclass(frozen=True)
