@@ -1,7 +1,7 @@
 """Compiled arithmetic of the arm: kinematics, the three Cartesian controllers, their rollout.
 
-It stands in one file, since numba's cache notices changes of a kernel's own file only. The
-modules beside it say what each part means and check what comes in.
+But for rotations it stands in one file, since numba's cache notices changes of a kernel's own file
+only. The modules beside it say what each part means and check what comes in.
 """
 
 import numpy as np

@@ -87,19 +87,21 @@ def find_grasp(
         motion = candidates.motion[index]
         over = approach_poses(candidates.X_WH[index], motion, scene, hand, X_WH_now, settings)
         for approach in _ways(over, motion, scene, hand, home):
-            if _can_go(approach, motion, scene, kinematics, q, settings, collisions):
+            if _can_go([*approach.values()], motion, scene, kinematics, q, settings, collisions):
                 return index, _legs(approach, motion, hand, X_WH_now, settings)
     return None
 
 
 def _ways(
     over: list[Array], motion: str, scene: Obstacles, hand: HandModel, home: Array
-) -> Iterator[list[Array]]:
-    """The way over the object, and for a side grasp one that goes from home straight beside it.
+) -> Iterator[dict[str, Array]]:
+    """Poses by the name of the leg that leads there.
 
-    Where the hand faces away from the robot, the arm often can't hold it that high.
+    First the way over the object, and for a side grasp one that goes from home straight beside
+    it: where the hand faces away from the robot, the arm often can't hold it that high.
     """
-    yield over
+    names = ["raise the hand", "over to the grasp", "down beside the object"]
+    yield dict(zip([*names[: len(over) - 1], "approach"], over, strict=True))
     if motion == "side":
         raised, _, beside, last = over
         shares = np.linspace(0.0, 1.0, _LOOKS)
@@ -109,7 +111,12 @@ def _ways(
             for share in shares
         )
         if all(_is_off(X_WH, scene, hand) for X_WH in between):
-            yield [raised, home, beside, last]
+            yield {
+                "raise the hand": raised,
+                "back": home,
+                "beside the object": beside,
+                "approach": last,
+            }
 
 
 def _is_off(X_WH: Array, scene: Obstacles, hand: HandModel) -> bool:
@@ -206,13 +213,16 @@ def approach_poses(
 
 
 def _legs(
-    approach: list[Array], motion: str, hand: HandModel, X_WH_now: Array, s: GraspMotionSettings
+    approach: dict[str, Array],
+    motion: str,
+    hand: HandModel,
+    X_WH_now: Array,
+    s: GraspMotionSettings,
 ) -> tuple[Leg, ...]:
     """Through the air, guarded to the object, then close, squeeze, lift and hold."""
     open_hand = hand.motor_fractions(0.0, 0.0)
-    *free, last = approach
-    names = ["raise the hand", "over to the grasp", "beside the object"][: len(free)]
-    legs = path(X_WH_now, free, names, open_hand)
+    *free, last = approach.values()
+    legs = path(X_WH_now, free, [*approach][:-1], open_hand)
     slow = travel_time(free[-1], last, linear_m_s=2 * SLOW_M_S)
     legs += (
         Leg("settle", free[-1], open_hand, 0.3),

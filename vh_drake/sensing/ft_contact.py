@@ -26,7 +26,7 @@ from vh_drake.sensing.contact_point import (
     expected_approach,
 )
 from vh_drake.sensing.hand_load import HandInertia, load_of
-from vh_drake.sensing.low_pass import LowPass
+from vh_drake.sensing.low_pass import LowPass, filtered, settle
 from vh_drake.types import Array, ContactSet
 
 
@@ -305,13 +305,10 @@ def _filter(
     rate = (velocity_W - state[:6]) / knobs.period_s if started else np.zeros(6)
     load = load_of(knobs.mass, p_HCom, I_H, R_WH, velocity_W[:3], rate[:3], rate[3:])
     outside = wrench_H - load
-    low, high = state[_MOTION_END : _MOTION_END + 6], state[_MOTION_END + 6 : _MEMORY_END]
-    (b0, b1, b2), (a0, a1) = knobs.b, knobs.a
-    if not started:  # As if it had been so for ever
-        low[:], high[:] = (b1 - a0 + b2 - a1) * outside, (b2 - a1) * outside
-    out = b0 * outside + low
-    low[:], high[:] = b1 * outside - a0 * out + high, b2 * outside - a1 * out
-    state[_MEMORY_END:_WRENCH_END] = out
+    memory = state[_MOTION_END:_MEMORY_END].reshape(2, 6)
+    if not started:
+        settle(knobs.b, knobs.a, outside, memory)
+    state[_MEMORY_END:_WRENCH_END] = filtered(knobs.b, knobs.a, outside, memory)
     state[:6] = velocity_W
     state[_STARTED] = 1.0
     return outside

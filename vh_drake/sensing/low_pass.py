@@ -4,6 +4,7 @@ import dataclasses as dc
 import math
 
 import numpy as np
+from numba import njit
 
 from vh_drake.errors import BadInput
 from vh_drake.types import Array
@@ -38,14 +39,15 @@ class LowPass:
 
     def settled(self, value: Array) -> Array:
         """State (2, n) of a filter that has seen `value` (n,) for ever."""
-        b, a = self.b, self.a
-        return np.stack([(b[1] - a[0] + b[2] - a[1]) * value, (b[2] - a[1]) * value])
+        state = np.empty((2, len(value)))
+        settle(self.b, self.a, np.ascontiguousarray(value, dtype=float), state)
+        return state
 
     def step(self, state: Array, value: Array) -> tuple[Array, Array]:
         """Next state (2, n) and output (n,) for an input (n,)."""
-        b, a = self.b, self.a
-        out = b[0] * value + state[0]
-        return np.stack([b[1] * value - a[0] * out + state[1], b[2] * value - a[1] * out]), out
+        after = np.array(state, dtype=float)
+        out = filtered(self.b, self.a, np.ascontiguousarray(value, dtype=float), after)
+        return after, out
 
     def noise_gain(self) -> float:
         """Standard deviation of the output for white noise of standard deviation 1."""
@@ -56,3 +58,22 @@ class LowPass:
             if i > 10 and float(np.abs(state).max()) < 1e-9:
                 break
         return math.sqrt(total)
+
+
+@njit(cache=True)
+def settle(
+    b: tuple[float, float, float], a: tuple[float, float], value: Array, state: Array
+) -> None:
+    """`LowPass.settled` in place, for compiled code."""
+    state[0], state[1] = (b[1] - a[0] + b[2] - a[1]) * value, (b[2] - a[1]) * value
+
+
+@njit(cache=True)
+def filtered(
+    b: tuple[float, float, float], a: tuple[float, float], value: Array, state: Array
+) -> Array:
+    """`LowPass.step` in place, for compiled code: the output."""
+    out: Array = b[0] * value + state[0]
+    state[0] = b[1] * value - a[0] * out + state[1]
+    state[1] = b[2] * value - a[1] * out
+    return out
