@@ -14,7 +14,6 @@ from vh_drake.learning.samples import (
     inputs_of,
     scene_samples,
     split_objects,
-    success_probability,
     without_hints,
 )
 from vh_drake.learning.training import (
@@ -39,15 +38,6 @@ def scenes():
         dc.replace(made, object=name, rate=rate, success=high.astype(float))
         for name in ("a", "b", "c", "d")
     ]
-
-
-def test_a_target_is_the_probability_that_the_rate_is_over_the_threshold():
-    rate, samples = np.array([0.5, 0.8, 1.0]), np.array([40, 40, 40])
-    soft = success_probability(rate, samples)
-    rng = np.random.default_rng(0)
-    closed = (rate * samples).astype(int)
-    drawn = rng.beta(closed + 1, samples - closed + 1, (100_000, 3))
-    np.testing.assert_allclose(soft, (drawn > 0.8).mean(axis=0), atol=0.01)
 
 
 def test_every_candidate_is_in_one_batch(scenes):

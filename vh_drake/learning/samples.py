@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from scipy.special import betainc
 
 from vh_drake.atomic_files import write_bytes
 from vh_drake.batch import run_tasks
@@ -23,8 +22,8 @@ from vh_drake.learning.features import (
 )
 from vh_drake.learning.hints import HINT_NUMBERS
 from vh_drake.learning.knowledge import scene_knowledge
-from vh_drake.learning.labels import SUCCESS_RATE
 from vh_drake.learning.shards import LabelledScene, read_shard
+from vh_drake.learning.soft_labels import RatePrior, fit_prior
 from vh_drake.types import Array, IntArray
 
 GROUP = 16  # candidates of one scene that enter a batch together
@@ -58,17 +57,6 @@ class Batch:
     targets: torch.Tensor  # (b, 2) success and rate
 
 
-def success_probability(rate: Array, samples: IntArray) -> Array:
-    """How probable (n,) a true rate over 0.8 is after trials, from a uniform prior.
-
-    A label from few trials is not sure on which side of the threshold it lies; as a target
-    this costs nothing, and the network learns the expected success.
-    """
-    closed = np.rint(rate * samples)
-    below: Array = betainc(closed + 1, samples - closed + 1, SUCCESS_RATE)
-    return 1 - below
-
-
 def load_samples(folder: Path, *, workers: int = 1, title: str = "") -> list[SceneSamples]:
     """All scenes of a data set with candidates; fields are cached beside the shards.
 
@@ -78,10 +66,19 @@ def load_samples(folder: Path, *, workers: int = 1, title: str = "") -> list[Sce
     paths = shard_paths(folder)
     missing = {path.name: path for path in paths if not _cache(path).is_file()}
     run_tasks(_cache_fields, missing, settings={}, workers=workers, title=title)
-    samples = [sample for path in paths for sample in _shard_samples(path)]
+    prior = _prior(paths)
+    samples = [sample for path in paths for sample in _shard_samples(path, prior)]
     if not samples:
         raise BadInput(f"{folder}: no scene has a candidate; generate more")
     return samples
+
+
+def _prior(shards: Sequence[Path]) -> RatePrior:
+    """Of the rates of a data set; uniform where it has no candidate."""
+    scenes = [scene for shard in shards for scene in read_shard(shard)]
+    samples = np.concatenate([scene.label_samples for scene in scenes])
+    rate = np.concatenate([scene.label_rate for scene in scenes])
+    return fit_prior(rate, samples) if len(rate) else RatePrior()
 
 
 def split_objects(objects: Sequence[str], share: float, seed: int) -> tuple[set[str], set[str]]:
@@ -130,16 +127,19 @@ def _batch(groups: list[tuple[SceneSamples, IntArray]]) -> Batch:
 
 
 def scene_samples(
-    scene: LabelledScene, fields: SceneFields, numbers: NDArray[np.float32]
+    scene: LabelledScene,
+    fields: SceneFields,
+    numbers: NDArray[np.float32],
+    prior: RatePrior | None = None,
 ) -> SceneSamples:
-    """A labelled scene with its fields and numbers."""
+    """A labelled scene with its fields and numbers; the prior of its rates is uniform if None."""
     return SceneSamples(
         object=scene.object,
         scene=scene.scene,
         fields=fields,
         X_WH=scene.candidates.X_WH,
         numbers=numbers,
-        success=success_probability(scene.label_rate, scene.label_samples),
+        success=(prior or RatePrior()).success_probability(scene.label_rate, scene.label_samples),
         rate=scene.label_rate,
         estimate_rate=scene.estimate_rate,
         nominal=scene.nominal,
@@ -181,7 +181,7 @@ def inputs_of(scene: LabelledScene) -> tuple[SceneFields, NDArray[np.float32]]:
     return known.fields, pose_inputs(known.fields, scene.candidates, known.hints)
 
 
-def _shard_samples(shard: Path) -> list[SceneSamples]:
+def _shard_samples(shard: Path, prior: RatePrior) -> list[SceneSamples]:
     scenes = [scene for scene in read_shard(shard) if len(scene.candidates)]
     with np.load(_cache(shard), allow_pickle=False) as arrays:
         return [
@@ -189,6 +189,7 @@ def _shard_samples(shard: Path) -> list[SceneSamples]:
                 scene,
                 _fields(scene, arrays[f"values_{i}"], arrays[f"frame_{i}"]),
                 arrays[f"numbers_{i}"],
+                prior,
             )
             for i, scene in enumerate(scenes)
         ]
