@@ -50,3 +50,18 @@ def test_short_spurs_go_and_what_they_sprang_from_becomes_one():
     assert (whole.start, whole.end) == (FREE, FREE)
     assert whole.length == pytest.approx(16)
     assert len(pruned(arms, {0: 1.0})) == 3
+
+
+def test_a_lump_that_no_line_leads_to_is_a_node_of_its_own():
+    lump = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
+    branches = traced(np.vstack([lump, line([9, 0, 0], [1, 0, 0], 5)]))
+    assert sorted(len(branch.p) for branch in branches) == [1, 5]
+    (node,) = (branch for branch in branches if len(branch.p) == 1)
+    assert (node.start, node.end) == (FREE, FREE)
+    assert (lump == node.p).all(axis=1).any()
+
+
+def test_a_spur_that_is_all_of_its_part_stays():
+    alone = Branch(line([0, 0, 0], [1, 0, 0], 3), 0, FREE)
+    arms = [Branch(line([0, 9, 0], step, 9), 1, FREE) for step in np.eye(3)]
+    assert any(branch is alone for branch in pruned([alone, *arms], {0: 5.0, 1: 0.0}))

@@ -105,6 +105,13 @@ def test_a_cube_has_no_direction_so_it_is_a_point_in_its_middle():
     assert not line.tangent.any()
 
 
+def test_a_closed_shell_has_a_skeleton_too():
+    def field(p):
+        return np.abs(np.linalg.norm(p, axis=-1) - 0.03) - 0.006
+
+    assert len(curve_skeleton(grid_of(field, half=0.05)).lines) > 0
+
+
 def test_solids_are_trusted_and_a_cup_is_not():
     for field in (box([0.18, 0.06, 0.03]), torus(0.06, 0.015), box([0.06, 0.06, 0.06])):
         assert curve_skeleton(grid_of(field)).trusted

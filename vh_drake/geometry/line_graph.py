@@ -33,7 +33,7 @@ class Branch:
 
 
 def traced(voxels: IntArray) -> tuple[Branch, ...]:
-    """The branches of a line drawing (n, 3)."""
+    """The branches of a line drawing (n, 3); a lump that no line leads to is one of a node."""
     graph = _graph(voxels)
     degree = np.diff(graph.indptr)
     junction = degree > 2
@@ -43,7 +43,10 @@ def traced(voxels: IntArray) -> tuple[Branch, ...]:
     centers = [voxels[clusters == i].mean(axis=0) for i in range(clusters.max(initial=FREE) + 1)]
     simple = np.flatnonzero(~junction)
     count, part = connected_components(graph[simple][:, simple], directed=False)
-    return tuple(_branch(simple[part == i], voxels, graph, clusters, centers) for i in range(count))
+    branches = [_branch(simple[part == i], voxels, graph, clusters, centers) for i in range(count)]
+    led_to = {end for branch in branches for end in (branch.start, branch.end)}
+    lumps = [p for i, p in enumerate(centers) if i not in led_to]
+    return (*branches, *(Branch(_nearest(voxels, p)) for p in lumps))
 
 
 def pruned(branches: Sequence[Branch], thickness: dict[int, float]) -> tuple[Branch, ...]:
@@ -60,12 +63,25 @@ def pruned(branches: Sequence[Branch], thickness: dict[int, float]) -> tuple[Bra
             for branch in kept
             if (branch.start == FREE) != (branch.end == FREE)
             and branch.length < thickness[max(branch.start, branch.end)]
+            and _springs_from_others(branch, kept)
         ]
         if not spurs:
             return tuple(kept)
         shortest = min(spurs, key=lambda branch: branch.length)
         kept.remove(shortest)
         kept = _joined(kept, max(shortest.start, shortest.end))
+
+
+def _springs_from_others(branch: Branch, branches: Sequence[Branch]) -> bool:
+    """Whether others meet at a spur's junction; else it is all that there is of a part."""
+    junction = max(branch.start, branch.end)
+    return any(junction in (b.start, b.end) for b in branches if b is not branch)
+
+
+def _nearest(voxels: IntArray, p: Array) -> Array:
+    """The voxel (1, 3) nearest to a point (3,)."""
+    nearest: Array = voxels[np.linalg.norm(voxels - p, axis=1).argmin()][None].astype(np.float64)
+    return nearest
 
 
 def _joined(branches: list[Branch], junction: int) -> list[Branch]:
