@@ -10,6 +10,9 @@ from vh_drake.experiments.reconstruction import (
     without_normals,
 )
 from vh_drake.geometry.meshes import TriMesh
+from vh_drake.geometry.sampling import sample_surface
+from vh_drake.gpis.edges import EdgeSettings
+from vh_drake.gpis.evidence import farthest_points
 from vh_drake.objects import lathe
 
 
@@ -30,6 +33,21 @@ def test_concentric_spheres_differ_by_their_radii_and_not_in_their_normals():
 def test_a_surface_does_not_differ_from_itself():
     errors = compare(lathe.box((0.1, 0.07, 0.05)), lathe.box((0.1, 0.07, 0.05)))
     assert errors.distance_m < 1e-9
+    assert errors.angle_rad < math.radians(0.1)
+
+
+def test_flat_faces_meet_in_edges():
+    p, n = sample_surface(lathe.box((0.12, 0.06, 0.08)), 3000, seed=0)
+    chosen = farthest_points(p, 60)
+    rounded, sharp = (
+        compare(
+            with_normals(p[chosen], n[chosen], Reconstruction(edges=edges)),
+            lathe.box((0.12, 0.06, 0.08)),
+        )
+        for edges in (None, EdgeSettings())
+    )
+    assert sharp.angle_rad < 0.8 * rounded.angle_rad
+    assert sharp.distance_m < 0.8 * rounded.distance_m
 
 
 def test_both_formulations_find_a_ball():

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 
 from vh_drake.experiments import table_3_6
+from vh_drake.geometry.sampling import sample_surface
 
 
 def test_sensed_normals_err_by_the_mean_angle_of_the_sensor():
@@ -16,6 +18,23 @@ def test_shapes_have_the_stated_sizes():
     np.testing.assert_allclose(table_3_6.shape("box").extents, [0.10, 0.07, 0.05])
     np.testing.assert_allclose(table_3_6.shape("sphere").extents, 0.10, rtol=0.01)
     np.testing.assert_allclose(table_3_6.shape("cylinder").extents, [0.07, 0.07, 0.10], rtol=0.01)
+
+
+def test_facets_of_the_sphere_turn_its_normals_by_less_than_half_a_degree():
+    sphere = table_3_6.shape("sphere")
+    outward = sphere.vertices - [0.0, 0.0, 0.05]
+    corner = outward[sphere.faces[:, 0]] / 0.05
+    cosine = np.einsum("ij,ij->i", corner, sphere.face_normals)
+    assert np.degrees(np.arccos(cosine)).max() < 0.8
+
+
+def test_a_human_guides_the_hand_all_over_the_object():
+    truth = table_3_6.shape("cheez_it")
+    p, n = table_3_6.gather("cheez_it", truth, 0)
+    assert len(p) == 50
+    places = sample_surface(truth, 2000, seed=1)[0]
+    assert cdist(places, p).min(axis=1).max() < 0.045
+    assert set(np.argmax(abs(n), axis=1)) == {0, 1, 2}
 
 
 def test_a_trial_takes_at_most_fifty_contacts_and_is_the_same_again():

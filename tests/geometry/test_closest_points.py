@@ -2,7 +2,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from vh_drake.geometry.closest_points import closest_point, closest_points, triangle_tree
+from vh_drake.geometry.closest_points import (
+    closest_faces,
+    closest_point,
+    closest_points,
+    triangle_tree,
+)
 from vh_drake.geometry.meshes import TriMesh, from_trimesh
 from vh_drake.geometry.signed_distance import distance_to_surface
 
@@ -24,6 +29,17 @@ def test_nearest_points_lie_on_the_mesh():
     points = np.random.default_rng(1).normal(0, 0.05, (100, 3))
     nearest = closest_points(triangle_tree(mesh), points)
     np.testing.assert_allclose(distance_to_surface(mesh, nearest), 0.0, atol=1e-9)
+
+
+def test_nearest_points_lie_in_the_planes_of_their_faces_and_inside_them():
+    mesh = torus()
+    points = np.random.default_rng(3).normal(0, 0.05, (100, 3))
+    nearest, faces = closest_faces(triangle_tree(mesh), points)
+    corners = mesh.triangles[faces]
+    height = np.einsum("ij,ij->i", nearest - corners[:, 0], mesh.face_normals[faces])
+    np.testing.assert_allclose(height, 0.0, atol=1e-9)
+    shares = trimesh.triangles.points_to_barycentric(corners, nearest)
+    assert shares.min() > -1e-6
 
 
 def test_a_rigid_motion_moves_the_nearest_points_along():

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 
 from vh_drake.errors import BadInput
-from vh_drake.gpis.evidence import farthest_points, require_finite
+from vh_drake.gpis.evidence import farthest_points, kept_apart, require_finite
 from vh_drake.types import ContactSet, ObjectView
 
 
@@ -18,6 +19,16 @@ def test_farthest_points_cover_a_grid_better_than_random_ones():
 
 def test_few_points_are_all_kept():
     np.testing.assert_array_equal(farthest_points(np.zeros((3, 3)), 100), [0, 1, 2])
+
+
+def test_what_is_kept_is_apart_and_what_is_not_is_near():
+    p = np.random.default_rng(0).random((200, 3))
+    order = np.random.default_rng(1).permutation(200)
+    kept = kept_apart(p, order, 0.3)
+    assert kept[0] == order[0]
+    apart = cdist(p[kept], p[kept]) + np.eye(len(kept))
+    assert apart.min() >= 0.3
+    assert cdist(p, p[kept]).min(axis=1).max() < 0.3
 
 
 UP = np.array([[0.0, 0.0, 1.0]])

@@ -4,12 +4,12 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from vh_drake.geometry.closest_points import closest_points, triangle_tree
+from vh_drake.geometry.closest_points import closest_faces, triangle_tree
 from vh_drake.geometry.meshes import TriMesh
 from vh_drake.geometry.sampling import sample_surface
 from vh_drake.gpis.contact_surface import ContactNoise, ContactSurface
+from vh_drake.gpis.edges import EdgeSettings, edge_contacts
 from vh_drake.gpis.following import Sheet, follow_surface
 from vh_drake.gpis.inside_outside import InsideOutside, inside_outside_observations
 from vh_drake.gpis.kernels import Kernel, ThinPlate
@@ -17,7 +17,6 @@ from vh_drake.gpis.posterior import fit
 from vh_drake.types import Array
 
 _POINTS = 20_000  # on either surface
-_DENSE = 200_000  # on which normals are looked up
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,7 @@ class Reconstruction:
     kernel: Kernel = field(default_factory=lambda: ThinPlate(0.5, 0.5 / math.sqrt(6.0)))
     noise: ContactNoise = field(default_factory=ContactNoise)
     inside_outside: InsideOutside = field(default_factory=InsideOutside)
+    edges: EdgeSettings | None = None  # of flat faces, where contacts with normals imply any
     spacing_m: float = 0.002
     margin_m: float = 0.01
 
@@ -41,6 +41,9 @@ class Errors:
 
 def with_normals(p: Array, n: Array, settings: Reconstruction) -> TriMesh:
     """The estimate from contacts (k, 3) [m] and outward normals (k, 3)."""
+    if settings.edges is not None:
+        p_beside, n_beside = edge_contacts(p, n, settings.edges)
+        p, n = np.vstack([p, p_beside]), np.vstack([n, n_beside])
     surface = ContactSurface.of(p, n, kernel=settings.kernel, noise=settings.noise)
     return _mesh(surface.follow(spacing_m=settings.spacing_m, margin_m=settings.margin_m))
 
@@ -71,10 +74,8 @@ def compare(estimate: TriMesh, truth: TriMesh, *, seed: int = 0) -> Errors:
 def _one_way(a: TriMesh, b: TriMesh, seed: int) -> tuple[Array, Array]:
     """Distances [m] and angles [rad] from points of one surface to the other."""
     p, n = sample_surface(a, _POINTS, seed=seed)
-    nearest = closest_points(triangle_tree(b), p)
-    dense, normals = sample_surface(b, _DENSE, seed=seed)
-    there = normals[cKDTree(dense).query(nearest)[1]]
-    cosine = np.clip(np.einsum("ij,ij->i", n, there), -1.0, 1.0)
+    nearest, face = closest_faces(triangle_tree(b), p)
+    cosine = np.clip(np.einsum("ij,ij->i", n, b.face_normals[face]), -1.0, 1.0)
     return np.linalg.norm(nearest - p, axis=1), np.arccos(cosine)
 
 

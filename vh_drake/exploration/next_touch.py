@@ -11,12 +11,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform
-from scipy.spatial.distance import cdist
 
 from vh_drake.errors import UnknownName
 from vh_drake.exploration.ratings import IgefSettings, igef
 from vh_drake.exploration.trajectory import approach_curves, arc_length
-from vh_drake.gpis.evidence import farthest_points
+from vh_drake.gpis.evidence import farthest_points, kept_apart
 from vh_drake.types import Array, ContactSet, IntArray, ObjectView, Surface, TouchPlan
 
 STRATEGIES = ["igef", "gp_variance", "random"]
@@ -93,7 +92,7 @@ def plan_touch(
     rating = _rate(surface, chosen, view, contacts, curves, X_WTip.rotation().col(2), settings)
     order = np.lexsort((np.arange(len(chosen)), -rating, tier[chosen]))
     plans: list[TouchPlan] = []
-    for i in _spread(p, order, settings.apart_m):
+    for i in kept_apart(p, order, settings.apart_m):
         plan = TouchPlan(p[i], n[i], curves[i], float(rating[i]))
         if feasible is None or feasible(plan):
             plans.append(plan)
@@ -165,15 +164,6 @@ def _rate(
         return hidden * igef(p, n, contacts.p_WC, lengths, approach_W, settings.igef).product
     seen = view.p_WO[farthest_points(view.p_WO, settings.seen_points)]
     return hidden * igef(p, n, seen, lengths, approach_W, settings.igef_of_view).product
-
-
-def _spread(p: Array, order: IntArray, apart_m: float) -> IntArray:
-    """Those of an order of points that keep a distance from all earlier ones."""
-    kept: list[int] = []
-    for i in order:
-        if not kept or cdist(p[i : i + 1], p[kept]).min() >= apart_m:
-            kept.append(int(i))
-    return np.array(kept, dtype=np.int64)
 
 
 def _require_known(settings: TouchSettings) -> None:

@@ -24,6 +24,7 @@ class TriangleTree(NamedTuple):
             each other.
         number: (n,) triangles of a leaf; 0 where the node has children.
         triangles: (f, 3, 3) corners, in the order of the leaves [m].
+        faces: (f,) which of the mesh's faces they are.
     """
 
     low: Array
@@ -31,6 +32,7 @@ class TriangleTree(NamedTuple):
     first: IntArray
     number: IntArray
     triangles: Array
+    faces: IntArray
 
 
 def triangle_tree(mesh: TriMesh) -> TriangleTree:
@@ -58,7 +60,7 @@ def triangle_tree(mesh: TriMesh) -> TriangleTree:
     triangles = np.ascontiguousarray(mesh.triangles[order])
     low = np.array([triangles[a:b].min(axis=(0, 1)) for a, b in spans])
     high = np.array([triangles[a:b].max(axis=(0, 1)) for a, b in spans])
-    return TriangleTree(low, high, np.array(first), np.array(count), triangles)
+    return TriangleTree(low, high, np.array(first), np.array(count), triangles, order)
 
 
 @njit(cache=True)
@@ -127,7 +129,14 @@ def closest_point(tree: TriangleTree, p: Vector, within: float) -> tuple[float, 
         p: anywhere [m].
         within: farther triangles don't matter [m].
     """
-    best2, best = within * within, p
+    distance, nearest, _ = _closest(tree, p, within)
+    return distance, nearest
+
+
+@njit(cache=True)
+def _closest(tree: TriangleTree, p: Vector, within: float) -> tuple[float, Vector, int]:
+    """As `closest_point`, and which of the tree's triangles holds it; -1 where none is near."""
+    best2, best, face = within * within, p, -1
     stack = np.empty(_DEPTH, np.int64)
     stack[0], size = 0, 1
     while size > 0:
@@ -152,16 +161,29 @@ def closest_point(tree: TriangleTree, p: Vector, within: float) -> tuple[float, 
             )
             d2 = _distance2(p, q)
             if d2 < best2:
-                best2, best = d2, q
-    return np.sqrt(best2), best
+                best2, best, face = d2, q, f
+    return np.sqrt(best2), best, face
+
+
+def closest_points(tree: TriangleTree, points: Array) -> Array:
+    """The nearest points (n, 3) of the mesh to points (n, 3) [m]."""
+    return closest_faces(tree, points)[0]
+
+
+def closest_faces(tree: TriangleTree, points: Array) -> tuple[Array, IntArray]:
+    """The nearest points (n, 3) [m], and the faces (n,) of the mesh that hold them.
+
+    A point of an edge belongs to either face.
+    """
+    nearest, found = _closest_to_each(tree, points)
+    return nearest, tree.faces[found]
 
 
 @njit(cache=True)
-def closest_points(tree: TriangleTree, points: Array) -> Array:
-    """The nearest points (n, 3) of the mesh to points (n, 3) [m]."""
-    nearest = np.empty_like(points)
+def _closest_to_each(tree: TriangleTree, points: Array) -> tuple[Array, IntArray]:
+    nearest, found = np.empty_like(points), np.empty(len(points), np.int64)
     for i in range(len(points)):
         p = (points[i, 0], points[i, 1], points[i, 2])
-        _, q = closest_point(tree, p, np.inf)
+        _, q, found[i] = _closest(tree, p, np.inf)
         nearest[i, 0], nearest[i, 1], nearest[i, 2] = q
-    return nearest
+    return nearest, found

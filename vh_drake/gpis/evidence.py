@@ -2,6 +2,7 @@
 
 import numba
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from vh_drake.errors import BadInput
 from vh_drake.types import Array, ContactSet, IntArray, ObjectView
@@ -26,6 +27,15 @@ def farthest_points(p: Array, count: int) -> IntArray:
         return np.arange(len(p), dtype=np.int64)
     chosen: IntArray = _farthest_points(np.ascontiguousarray(p), count)
     return chosen
+
+
+def kept_apart(p: Array, order: IntArray, apart_m: float) -> IntArray:
+    """Those of an order of points that keep a distance from all earlier ones."""
+    kept: list[int] = []
+    for i in order:
+        if not kept or cdist(p[i : i + 1], p[kept]).min() >= apart_m:
+            kept.append(int(i))
+    return np.array(kept, dtype=np.int64)
 
 
 def require_finite(view: ObjectView, contacts: ContactSet) -> None:
