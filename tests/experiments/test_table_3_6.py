@@ -1,8 +1,11 @@
+import dataclasses as dc
+
 import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
 from vh_drake.experiments import table_3_6
+from vh_drake.experiments.reconstruction import compare, with_normals
 from vh_drake.geometry.sampling import sample_surface
 
 
@@ -35,6 +38,17 @@ def test_a_human_guides_the_hand_all_over_the_object():
     places = sample_surface(truth, 2000, seed=1)[0]
     assert cdist(places, p).min(axis=1).max() < 0.045
     assert set(np.argmax(abs(n), axis=1)) == {0, 1, 2}
+
+
+def test_what_a_human_touched_is_estimated_better_than_by_the_kernel_for_dense_contacts():
+    truth = table_3_6.shape("cheez_it")
+    p, n = table_3_6.sensed(*table_3_6.gather("cheez_it", truth, 1), 1)
+    stiff, soft = (
+        compare(with_normals(p, n, dc.replace(settings, spacing_m=0.005)), truth)
+        for settings in (table_3_6.GUIDED, table_3_6.NOISY)
+    )
+    assert stiff.angle_rad < soft.angle_rad
+    assert stiff.distance_m < soft.distance_m
 
 
 def test_a_trial_takes_at_most_fifty_contacts_and_is_the_same_again():
