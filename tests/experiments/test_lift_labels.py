@@ -3,7 +3,8 @@ import pytest
 
 from vh_drake.catalog import Options
 from vh_drake.experiments import labels
-from vh_drake.experiments.labels import SCORES, spread_over, summarized
+from vh_drake.experiments.labels import SCORES, drawn_by_lot, summarized
+from vh_drake.learning.calibration import auc
 
 
 def rows(count=200, seed=0):
@@ -19,15 +20,19 @@ def rows(count=200, seed=0):
     return made
 
 
-def test_candidates_are_spread_over_the_whole_range_of_scores():
-    rng = np.random.default_rng(1)
-    score = rng.random(400) ** 8  # most are poor
-    chosen = spread_over(score, 20)
-    assert len(set(chosen)) == 20
-    assert score[chosen[0]] == score.min()
-    assert score[chosen[-1]] == score.max()
-    assert np.histogram(score[chosen], bins=4, range=(0, score.max()))[0].min() >= 4
-    assert sorted(spread_over(score[:5], 20)) == [0, 1, 2, 3, 4]
+def test_all_candidates_are_drawn_equally_often():
+    drawn = np.array([drawn_by_lot(50, 20, seed) for seed in range(500)])
+    assert all(len(set(chosen)) == 20 for chosen in drawn)
+    times = np.bincount(drawn.ravel(), minlength=50)
+    assert abs(times - 200).max() < 5 * np.sqrt(200 * 0.6)
+    assert drawn_by_lot(5, 20, 0).tolist() == [0, 1, 2, 3, 4]
+    np.testing.assert_array_equal(drawn_by_lot(50, 20, 7), drawn[7])
+
+
+def test_a_calibrated_score_that_is_spread_evenly_has_an_area_of_five_sixths():
+    rng = np.random.default_rng(0)
+    score = rng.random(100_000)
+    assert auc(score, rng.random(100_000) < score) == pytest.approx(5 / 6, abs=0.005)
 
 
 def test_areas_tell_what_foretells_a_lift():

@@ -1,9 +1,11 @@
 """`reproduce labels`: which label or score tells in advance that the hand will lift the object.
 
-Grasps are planned on estimates as in the data set (one look, one touch), drawn so that their
-scores spread evenly, and carried out in a simulator by the hand alone. Beside each outcome
-stand what is known of the truth (force-closure rate and epsilon on the true mesh) and what the
-robot can know (the same on the estimate, the learned metric, and what the scorer makes of it).
+Grasps are planned on estimates as in the data set (one look, one touch), and some of them, drawn
+by lot, are carried out in a simulator by the hand alone. (Drawn by one of the scores, they would
+not be fair to it: where a calibrated score is spread evenly from 0 to 1, the area under its ROC
+curve is 5/6 and no more.) Beside each outcome stand what is known of the truth (force-closure rate
+and epsilon on the true mesh) and what the robot can know (the same on the estimate, the learned
+metric, and what the scorer makes of it).
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +28,7 @@ from vh_drake.learning.generating import (
     hand_model,
 )
 from vh_drake.learning.labels import LabelSettings, guarded_rates, nominal_epsilon
-from vh_drake.learning.lift_model import LiftModel, load_lift_model
+from vh_drake.learning.lift_model import LiftModel, check_metric, lift_model_beside, load_lift_model
 from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.pictures import draw_reliability
 from vh_drake.reports import Report, Row
@@ -59,7 +61,8 @@ def run(options: Options) -> Report:
     Raises:
         BadInput: an option is unusable.
     """
-    load_metric(options.weights)  # Refuses bad weights before the work starts.
+    lift_model = load_lift_model(lift_model_beside(options.weights))
+    check_metric(lift_model, load_metric(options.weights))  # before the work starts
     weights = None if options.weights is None else str(options.weights)
     own = {
         "scenes": options.scenes or SCENES,
@@ -83,8 +86,10 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
     if len(candidates) == 0:
         return []
     scene = (candidates, seen.surface, seen.view, seen.contacts)
-    rating = learned_rating(_metric(task["weights"]), _lift_model(), hand, task["seed"], scene)
-    chosen = spread_over(rating.scores().score, GRASPS)
+    rating = learned_rating(
+        _metric(task["weights"]), _lift_model(task["weights"]), hand, task["seed"], scene
+    )
+    chosen = drawn_by_lot(len(candidates), GRASPS, task["seed"])
     scores = _scores(seen, candidates, rating, chosen, task["seed"])
     lifter = lifter_of(*own)
     rows = []
@@ -103,15 +108,10 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
     return rows
 
 
-def spread_over(score: Array, count: int) -> IntArray:
-    """Indices of candidates whose scores are next to evenly spaced values, low to high."""
-    left = list(np.argsort(score, kind="stable"))
-    chosen = []
-    for value in np.linspace(score.min(), score.max(), min(count, len(score))):
-        best = min(left, key=lambda i: abs(score[i] - value))
-        left.remove(best)
-        chosen.append(best)
-    return np.array(chosen, np.int64)
+def drawn_by_lot(count: int, most: int, seed: int) -> IntArray:
+    """Indices of some of `count` candidates, at most so many, all equally likely; sorted."""
+    rng = np.random.default_rng([seed, 59])
+    return np.sort(rng.choice(count, min(count, most), replace=False))
 
 
 def _scores(
@@ -133,8 +133,8 @@ def _scores(
 
 
 @lru_cache(maxsize=1)
-def _lift_model() -> LiftModel:
-    return load_lift_model()
+def _lift_model(weights: str | None) -> LiftModel:
+    return load_lift_model(lift_model_beside(weights))
 
 
 @lru_cache(maxsize=1)
