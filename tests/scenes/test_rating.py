@@ -3,6 +3,7 @@ import dataclasses as dc
 import numpy as np
 import pytest
 import torch
+from lift_models import linear_model
 from scenery import can_surface, can_view, right_hand
 
 from vh_drake.gpis.surface import estimate_surface
@@ -18,7 +19,6 @@ from vh_drake.learning.labels import (
     nominal_closure,
     nominal_epsilon,
 )
-from vh_drake.learning.lift_model import LiftModel, Trees
 from vh_drake.learning.metric import GraspMetric, load_metric
 from vh_drake.learning.network import GraspNetwork
 from vh_drake.scenes.rating import (
@@ -32,6 +32,7 @@ from vh_drake.types import Candidates, ContactSet
 
 SETTINGS = ScoringSettings(perturbation=PerturbationSettings(min_samples=8, max_samples=8))
 NONE = ContactSet()
+SLOPES = (2.0, 6.0)  # in the mean as many as odds of 4 make one number
 
 
 @pytest.fixture(scope="module")
@@ -64,36 +65,22 @@ def test_the_conventional_scorer_rates_on_the_seen_table_with_its_seed(candidate
 def test_the_learned_score_is_what_the_lift_model_makes_of_the_metric_s_word(
     candidates, estimate, untrained
 ):
-    lift, scene = lift_model(), (candidates, estimate, can_view(), NONE)
+    lift, scene = linear_model(untrained, SLOPES), (candidates, estimate, can_view(), NONE)
     rating = learned_rating(untrained, lift, right_hand(), 3, scene)
-    likely = rating.told.success > 0.5  # which one of the two trees asks for
-    np.testing.assert_allclose(rating.lift, np.where(likely, 0.7, 0.3), atol=1e-6)
-    # The trees differ by 0.4 from each other; dropout changes the word of one here and there.
-    disagree, moved = 0.2 / np.sqrt(2), rating.told.spread
-    crosses = (rating.told.success > 0.5 - moved) & (rating.told.success <= 0.5 + moved)
-    expected = np.hypot(disagree, np.where(crosses, 0.2, 0.0))
-    np.testing.assert_allclose(rating.error, expected, atol=1e-6)
+    success, spread = rating.told.success, rating.told.spread
+    np.testing.assert_allclose(rating.lift, success, atol=1e-6)
+    odds = np.log(success / (1 - success)) / 4
+    one, other = (1 / (1 + np.exp(-slope * odds)) for slope in SLOPES)
+    disagree = np.abs(one - other) / 2 / np.sqrt(2)
+    assert spread.max() > 1e-3
+    np.testing.assert_allclose(rating.error, np.hypot(disagree, spread), atol=1e-6)
     scores = learned_scorer(untrained, lift, right_hand(), 3)(*scene)
     np.testing.assert_array_equal(scores.score, rating.lift)
     np.testing.assert_array_equal(scores.standard_error, rating.error)
 
 
-def lift_model():
-    """One tree that looks at the metric's word, and one that always says a half."""
-    trees = Trees(
-        root=np.array([0, 3]),
-        feature=np.zeros(4, np.int32),
-        threshold=np.zeros(4),
-        left=np.array([1, 1, 2, 3]),
-        right=np.array([2, 1, 2, 3]),
-        share=np.array([0.5, 0.1, 0.9, 0.5]),
-        depth=1,
-    )
-    return LiftModel(trees, Calibration(), {})
-
-
 def test_the_same_seed_gives_the_same_learned_scores(candidates, estimate, untrained):
-    score = learned_scorer(untrained, lift_model(), right_hand(), 3)
+    score = learned_scorer(untrained, linear_model(untrained, SLOPES), right_hand(), 3)
     first, again = (score(candidates, estimate, can_view(), NONE) for _ in range(2))
     np.testing.assert_array_equal(first.score, again.score)
     np.testing.assert_array_equal(first.standard_error, again.standard_error)
@@ -103,7 +90,7 @@ def test_the_same_seed_gives_the_same_learned_scores(candidates, estimate, untra
 
 
 def test_no_candidates_give_no_scores(estimate, untrained):
-    scores = learned_scorer(untrained, lift_model(), right_hand(), 0)(
+    scores = learned_scorer(untrained, linear_model(untrained, SLOPES), right_hand(), 0)(
         Candidates(), estimate, can_view(), NONE
     )
     assert len(scores.score) == 0
@@ -112,7 +99,9 @@ def test_no_candidates_give_no_scores(estimate, untrained):
 def test_a_touch_changes_what_the_learned_metric_says(candidates, estimate, untrained):
     def told(contacts):
         scene = (candidates, estimate, can_view(), contacts)
-        return learned_rating(untrained, lift_model(), right_hand(), 3, scene).told.success
+        return learned_rating(
+            untrained, linear_model(untrained, SLOPES), right_hand(), 3, scene
+        ).told.success
 
     touched = ContactSet(np.array([[0.745, -0.3, 0.95]]), np.array([[1.0, 0.0, 0.0]]))
     assert not np.array_equal(told(NONE), told(touched))

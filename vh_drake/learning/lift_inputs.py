@@ -26,7 +26,7 @@ _CONTACTS = 8.0
 
 
 def lift_inputs(known: Knowledge, hand: HandModel, told: Prediction) -> Array:
-    """Numbers (n, INPUTS), all of one magnitude.
+    """Numbers (n, LIFT_NUMBERS), all of one magnitude.
 
     Args:
         known: of n grasps.
@@ -49,7 +49,7 @@ def lift_inputs(known: Knowledge, hand: HandModel, told: Prediction) -> Array:
 
 
 def with_success(inputs: Array, success: Array) -> Array:
-    """Inputs (n, INPUTS) where the metric's word is another (n,)."""
+    """Inputs (n, LIFT_NUMBERS) where the metric's word is another (n,)."""
     return np.column_stack([_odds(success), inputs[:, 1:]])
 
 
@@ -151,4 +151,4 @@ def _facing(closure: Closure, hand: HandModel) -> float:
     return float(closure.n_WC[thumb].mean(axis=0) @ closure.n_WC[~thumb].mean(axis=0))
 
 
-INPUTS = 3 + 10 + 12 + 10
+LIFT_NUMBERS = 3 + 10 + 12 + 10

@@ -1,146 +1,168 @@
-"""How probable it is that the hand lifts the object by a grasp, from few numbers.
+"""How probable it is that the hand lifts the object by a grasp.
 
-Simulated lifts are dear, so the model is small: randomized trees (Geurts et al. 2006), whose
-leaves hold shares of lifted grasps. They weigh what the metric, the closing on the estimate
-and the geometry say of a grasp (`lift_inputs`).
+A few judges give their mean. Each has learnt from other objects, so that their disagreement
+tells how sure they are, and each can be asked about objects that it has never met, which is how
+they were calibrated. A judge is a network, which sees the shape around the hand, and a forest,
+which does not carry trends beyond what it has met: of hundreds of candidates the best rated is
+taken, and a network alone rates those highest that are like nothing it knows.
 """
 
 import dataclasses as dc
+import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
+from numpy.typing import NDArray
 
 from vh_drake.errors import BadInput
 from vh_drake.geometry.model_files import models_folder
 from vh_drake.learning.calibration import Calibration
-from vh_drake.learning.lift_inputs import INPUTS
+from vh_drake.learning.features import Float32
+from vh_drake.learning.forest import Forest, read_forest
+from vh_drake.learning.lift_inputs import LIFT_NUMBERS
+from vh_drake.learning.lift_network import LiftNetwork
+from vh_drake.learning.metric import GraspMetric, read_calibration
+from vh_drake.learning.network import SEEN
 from vh_drake.learning.weights import load_weights, save_weights
-from vh_drake.types import Array, IntArray
+from vh_drake.types import Array
 
-SHIPPED = "lift_model.safetensors"
-_SURE = 1e-3  # mean shares nearer to 0 or 1 are all alike
+FILE = "lift_model.safetensors"
+_MOST = 64  # judges
 
 
 @dc.dataclass(frozen=True, eq=False)
-class Trees:
-    """t binary trees with k nodes in all; a leaf is its own child."""
+class Judge:
+    """A network and a forest that learnt from the same grasps."""
 
-    root: IntArray  # (t,) node in which a tree starts
-    feature: IntArray  # (k,) which input a node looks at
-    threshold: Array  # (k,) at most this: to the left
-    left: IntArray  # (k,)
-    right: IntArray  # (k,)
-    share: Array  # (k,) of the grasps in a node that lifted
-    depth: int  # of the deepest leaf
+    network: LiftNetwork  # in evaluation mode
+    forest: Forest
 
-    def shares(self, inputs: Array) -> Array:
-        """The share of each tree's leaf (n, t) of inputs (n, INPUTS)."""
-        x = np.asarray(inputs, np.float32)  # What trees are grown on
-        node = np.tile(self.root, (len(x), 1))
-        row = np.arange(len(x))[:, None]
-        for _ in range(self.depth):
-            smaller = x[row, self.feature[node]] <= self.threshold[node]
-            node = np.where(smaller, self.left[node], self.right[node])
-        shares: Array = self.share[node]
-        return shares
+    def logits(self, hidden: torch.Tensor, numbers: Array) -> Array:
+        """Their mean (n,), from the network's units and from numbers (n, LIFT_NUMBERS)."""
+        with torch.inference_mode():
+            told = self.network.decide(hidden, torch.from_numpy(numbers.astype(np.float32)))
+        mean: Array = (told.numpy().astype(float) + self.forest.logits(numbers)) / 2
+        return mean
 
 
 @dc.dataclass(frozen=True, eq=False)
 class LiftModel:
-    """Trees, and what their mean means."""
+    """k judges, and what the mean of their logits means."""
 
-    trees: Trees
-    calibration: Calibration  # of the log odds of the trees' mean
+    judges: tuple[Judge, ...]
+    calibration: Calibration
     card: dict[str, Any]  # what is known of the model
 
-    def rate(self, inputs: Array) -> tuple[Array, Array]:
-        """Calibrated probability of a lift (n,), and the standard error of the trees' mean (n,).
+    def hidden(self, seen: Float32) -> list[torch.Tensor]:
+        """What each judge's network makes of the metric's convolutions (n, SEEN)."""
+        with torch.inference_mode():
+            return [judge.network.hidden(torch.from_numpy(seen)) for judge in self.judges]
+
+    def rate(self, hidden: list[torch.Tensor], numbers: Array) -> tuple[Array, Array]:
+        """Calibrated probability of a lift (n,), and the standard error of the judges' mean.
 
         Args:
-            inputs: (n, INPUTS), see `lift_inputs`.
+            hidden: of the grasps, as `hidden` gives it.
+            numbers: (n, LIFT_NUMBERS), see `lift_inputs`.
         """
-        shares = self.trees.shares(inputs)
-        error = shares.std(axis=1) / np.sqrt(shares.shape[1])
-        return self.calibration.probability(log_odds(shares)), error
+        logits = np.array(
+            [judge.logits(own, numbers) for judge, own in zip(self.judges, hidden, strict=True)]
+        )
+        told = self.calibration.probability(logits)
+        error = told.std(axis=0) / np.sqrt(len(told))
+        return self.calibration.probability(logits.mean(axis=0)), error
 
 
-def log_odds(shares: Array) -> Array:
-    """Of the mean (n,) of shares (n, t)."""
-    mean = np.clip(shares.mean(axis=1), _SURE, 1 - _SURE)
-    odds: Array = np.log(mean / (1 - mean))
-    return odds
+def fingerprint(metric: GraspMetric) -> str:
+    """Of the convolutions, on whose output a lift model depends."""
+    weights = [value.numpy().tobytes() for value in metric.network.grid.state_dict().values()]
+    return hashlib.sha256(b"".join(weights)).hexdigest()
 
 
-def shipped_lift_model() -> Path:
-    """Where the model lies that comes with the package."""
-    return models_folder() / "weights" / SHIPPED
+def check_metric(model: LiftModel, metric: GraspMetric) -> None:
+    """Refuse a metric other than that which the model was fitted with.
+
+    Raises:
+        BadInput: it is another one; the message names the remedy.
+    """
+    if model.card.get("metric") != fingerprint(metric):
+        raise BadInput(
+            "the lift model belongs to other weights of the metric; fit one to these with "
+            "`vh-drake train-lifts --weights`, or take the shipped weights"
+        )
+
+
+def lift_model_beside(weights: str | Path | None) -> Path:
+    """Where the lift model of a metric lies: in the folder of its weights; None: the shipped."""
+    folder = models_folder() / "weights" if weights is None else Path(weights).parent
+    return folder / FILE
 
 
 def save_lift_model(path: str | Path, model: LiftModel) -> None:
-    """Write trees and card.
+    """Write judges, their networks in half precision, and card.
 
     Raises:
         BadInput: see `weights.save_weights`.
         VhDrakeError: the files can't be written.
     """
-    arrays = {name: getattr(model.trees, name).astype(kind) for name, kind in _ARRAYS.items()}
-    calibration = dc.asdict(model.calibration)
-    golden = np.round(golden_rates(model), 6).tolist()
-    more = {"calibration": calibration, "depth": model.trees.depth, "golden": golden}
-    card = {**model.card, **more}
-    save_weights(path, arrays, card)
+    arrays: dict[str, NDArray[Any]] = {}
+    for i, judge in enumerate(model.judges):
+        weights = judge.network.state_dict()
+        arrays |= {
+            f"{i}/{name}": value.numpy().astype(np.float16) for name, value in weights.items()
+        }
+        arrays |= {f"{i}/forest/{name}": value for name, value in judge.forest.arrays().items()}
+    more = {
+        "judges": len(model.judges),
+        "depths": [judge.forest.depth for judge in model.judges],
+        "calibration": dc.asdict(model.calibration),
+        "golden": np.round(golden_rates(model), 6).tolist(),
+    }
+    save_weights(path, arrays, {**model.card, **more})
 
 
 def golden_rates(model: LiftModel) -> Array:
     """Probabilities (8,) of inputs drawn from a fixed seed; the card keeps them."""
-    return model.rate(np.random.default_rng(0).normal(size=(8, INPUTS)))[0]
-
-
-# How they are kept; thresholds are exact, as what lies on one is not to change sides.
-_ARRAYS = {
-    "root": np.int32,
-    "feature": np.int32,
-    "threshold": np.float64,
-    "left": np.int32,
-    "right": np.int32,
-    "share": np.float32,
-}
-_LINKS = ("root", "feature", "left", "right")
+    rng = np.random.default_rng(0)
+    seen = rng.random((8, SEEN)).astype(np.float32)
+    return model.rate(model.hidden(seen), rng.normal(size=(8, LIFT_NUMBERS)))[0]
 
 
 def load_lift_model(path: str | Path | None = None) -> LiftModel:
-    """Read a model that matches its card and these inputs; None takes the shipped one.
+    """Read a model that matches its card and this network; None takes the shipped one.
 
     Raises:
-        BadInput: a file is missing, damaged, or of other inputs.
+        BadInput: a file is missing, damaged, or of another network.
     """
-    path = shipped_lift_model() if path is None else Path(path)
+    path = lift_model_beside(None) if path is None else Path(path)
     arrays, card = load_weights(path)
+    count = card.get("judges")
+    if type(count) is not int or not 0 < count <= _MOST:
+        raise BadInput(f"{path}: this is no lift model; {_REMEDY}")
     try:
-        parts: dict[str, Any] = {
-            name: arrays[name].astype(np.int64 if name in _LINKS else np.float64)
-            for name in _ARRAYS
-        }
-        trees = Trees(**parts, depth=int(card["depth"]))
-        calibration = Calibration(**card["calibration"])
-    except (KeyError, ValueError, TypeError) as error:
-        raise BadInput(f"{path}: this is no lift model; {_REMEDY}") from error
-    if not _is_sound(trees):
-        raise BadInput(f"{path}: its trees lead nowhere, or look at other inputs; {_REMEDY}")
-    return LiftModel(trees, calibration, card)
+        judges = [_read_judge(arrays, card, i) for i in range(count)]
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}; {_REMEDY}") from error
+    return LiftModel(tuple(judges), read_calibration(path, card, "calibration"), card)
 
 
-def _is_sound(trees: Trees) -> bool:
-    """Whether every index is within bounds."""
-    nodes = trees.share.shape
-    columns = (trees.feature, trees.threshold, trees.left, trees.right)
-    if len(nodes) != 1 or any(column.shape != nodes for column in columns):
-        return False
-    links = np.concatenate([trees.root.ravel(), trees.left, trees.right])
-    inside = (links >= 0) & (links < nodes[0])
-    known = (trees.feature >= 0) & (trees.feature < INPUTS)
-    return bool(inside.all() and known.all() and len(trees.root) and 0 < trees.depth < 1000)
+def _read_judge(arrays: Mapping[str, NDArray[Any]], card: dict[str, Any], i: int) -> Judge:
+    start = f"{i}/forest/"
+    forest = {k.removeprefix(start): v for k, v in arrays.items() if k.startswith(start)}
+    network = LiftNetwork()
+    wanted = {name: tuple(value.shape) for name, value in network.state_dict().items()}
+    found = {name: arrays[f"{i}/{name}"] for name in wanted if f"{i}/{name}" in arrays}
+    if wanted != {name: array.shape for name, array in found.items()}:
+        raise BadInput("these are weights of another network")
+    state = {name: torch.from_numpy(array.astype(np.float32)) for name, array in found.items()}
+    network.load_state_dict(state)
+    depths = card.get("depths")
+    if not isinstance(depths, list) or len(depths) <= i:
+        raise BadInput("its card does not tell how deep the trees are")
+    return Judge(network.eval(), read_forest(forest, depths[i], LIFT_NUMBERS))
 
 
 _REMEDY = "train anew with `vh-drake train-lifts`, or take the shipped one"

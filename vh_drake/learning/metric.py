@@ -15,12 +15,13 @@ from vh_drake.learning.features import (
     CHANNELS,
     NUMBERS,
     VOXELS,
+    Float32,
     SceneFields,
     pose_inputs,
     sample_grids,
 )
 from vh_drake.learning.hints import Hints
-from vh_drake.learning.network import RATE, SUCCESS, GraspNetwork
+from vh_drake.learning.network import RATE, SEEN, SUCCESS, GraspNetwork
 from vh_drake.learning.weights import load_weights, save_weights
 from vh_drake.types import Array, Candidates
 
@@ -35,6 +36,7 @@ class Prediction:
     success: Array  # (n,) calibrated probability that the force-closure rate is over 0.8
     rate: Array  # (n,) expected force-closure rate
     spread: Array  # (n,) standard deviation of `success` under dropout; 0 if not asked for
+    seen: Float32  # (n, SEEN) output of the convolutions
 
 
 @dc.dataclass(frozen=True, eq=False)
@@ -73,17 +75,19 @@ class GraspMetric:
         """
         numbers = torch.from_numpy(pose_inputs(fields, candidates, hints))
         drawn = torch.Generator().manual_seed(seed)
-        rows = [np.zeros((0, 3))]
+        rows, seen = [np.zeros((0, 3))], [np.zeros((0, SEEN), np.float32)]
         for first in range(0, len(candidates), _CHUNK):
             own = slice(first, first + _CHUNK)
-            grids = sample_grids(fields, candidates.X_WH[own])
-            rows.append(self._rows(grids, numbers[own], hints is not None, passes, drawn))
+            with torch.inference_mode():
+                output = self.network.seen(sample_grids(fields, candidates.X_WH[own]))
+            seen.append(output.numpy())
+            rows.append(self._rows(output, numbers[own], hints is not None, passes, drawn))
         success, rate, spread = np.concatenate(rows).T
-        return Prediction(success, rate, spread)
+        return Prediction(success, rate, spread, np.concatenate(seen))
 
     def _rows(
         self,
-        grids: torch.Tensor,
+        seen: torch.Tensor,
         numbers: torch.Tensor,
         hinted: bool,
         passes: int,
@@ -92,7 +96,6 @@ class GraspMetric:
         """Success, rate and spread (n, 3) of a chunk."""
         calibration = self.calibration if hinted else self.blind_calibration
         with torch.inference_mode():
-            seen = self.network.seen(grids)
             logits = self.network.decide(seen, numbers).numpy().astype(float)
             tries = [
                 calibration.probability(
@@ -159,8 +162,8 @@ def load_metric(path: str | Path | None = None) -> GraspMetric:
     network.eval()
     return GraspMetric(
         network,
-        _calibration(path, card, "calibration"),
-        _calibration(path, card, "blind_calibration"),
+        read_calibration(path, card, "calibration"),
+        read_calibration(path, card, "blind_calibration"),
         card,
     )
 
@@ -169,7 +172,12 @@ def _tensors(arrays: dict[str, NDArray[Any]]) -> dict[str, torch.Tensor]:
     return {name: torch.from_numpy(np.array(array)) for name, array in arrays.items()}
 
 
-def _calibration(path: Path, card: dict[str, Any], name: str) -> Calibration:
+def read_calibration(path: Path, card: dict[str, Any], name: str) -> Calibration:
+    """From a card's entry of a name.
+
+    Raises:
+        BadInput: it is missing or unusable.
+    """
     try:
         content = card[name]
         calibration = Calibration(float(content["slope"]), float(content["offset"]))

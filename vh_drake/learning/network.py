@@ -20,9 +20,10 @@ from vh_drake.learning.hints import HINT_NUMBERS
 
 FILTERS = 32
 _PATCH = 4
-_HIDDEN = 128
+HIDDEN = 128
 _POSE_HIDDEN = 64
 DROPOUT = 0.5
+SEEN = FILTERS * (VOXELS // _PATCH - 2) ** 3  # numbers that the convolutions put out
 SUCCESS, RATE = 0, 1  # columns of the output
 
 
@@ -31,7 +32,6 @@ class GraspNetwork(nn.Module):
 
     def __init__(self) -> None:
         super().__init__()
-        cells = VOXELS // _PATCH - 2
         self.grid = nn.Sequential(
             nn.Conv3d(CHANNELS, FILTERS, _PATCH, stride=_PATCH),
             nn.ReLU(),
@@ -39,7 +39,7 @@ class GraspNetwork(nn.Module):
             nn.ReLU(),
             nn.Flatten(),
         )
-        self.dense = nn.Linear(FILTERS * cells**3, _HIDDEN)
+        self.dense = nn.Linear(SEEN, HIDDEN)
         self.pose = nn.Sequential(
             nn.Linear(NUMBERS, _POSE_HIDDEN),
             nn.ReLU(),
@@ -47,7 +47,7 @@ class GraspNetwork(nn.Module):
             nn.ReLU(),
         )
         self.fusion = nn.Sequential(
-            nn.Linear(_HIDDEN + _POSE_HIDDEN, _HIDDEN), nn.ReLU(), nn.Linear(_HIDDEN, 2)
+            nn.Linear(HIDDEN + _POSE_HIDDEN, HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, 2)
         )
         self.hint = nn.Linear(HINT_NUMBERS, 2, bias=False)
         with torch.no_grad():  # It starts as a correction of the rate on the estimate.

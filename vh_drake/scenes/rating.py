@@ -17,7 +17,7 @@ from vh_drake.learning.labels import (
     nominal_epsilon,
 )
 from vh_drake.learning.lift_inputs import lift_inputs, with_success
-from vh_drake.learning.lift_model import LiftModel, load_lift_model
+from vh_drake.learning.lift_model import LiftModel, check_metric, load_lift_model
 from vh_drake.learning.metric import GraspMetric, Prediction, load_metric
 from vh_drake.types import Array, Candidates, ContactSet, GraspScores, ObjectView, Surface
 
@@ -134,7 +134,11 @@ def learned_scorer(metric: GraspMetric, lift: LiftModel, hand: HandModel, seed: 
         lift: of lifting.
         hand: that both were trained for.
         seed: of every random choice.
+
+    Raises:
+        BadInput: the lift model was fitted with another metric.
     """
+    check_metric(lift, metric)
 
     def score(
         candidates: Candidates, surface: Surface, view: ObjectView, contacts: ContactSet
@@ -170,15 +174,15 @@ def learned_rating(
 ) -> LearnedRating:
     """What metric and lift model say of candidates, one by one; see `learned_scorer`.
 
-    The standard error has two parts: how little the trees agree, and how far the probability
+    The standard error has two parts: how little the judges agree, and how far the probability
     moves as dropout moves the metric's word.
     """
     known = knowledge(*scene, hand, seed)
     told = metric.predict(known.candidates, known.fields, known.hints, passes=_PASSES, seed=seed)
-    inputs = lift_inputs(known, hand, told)
-    probability, error = lift.rate(inputs)
+    hidden, numbers = lift.hidden(told.seen), lift_inputs(known, hand, told)
+    probability, error = lift.rate(hidden, numbers)
     low, high = (
-        lift.rate(with_success(inputs, told.success + moved))[0]
+        lift.rate(hidden, with_success(numbers, told.success + moved))[0]
         for moved in (-told.spread, told.spread)
     )
     return LearnedRating(told, known.hints, probability, np.hypot(error, (high - low) / 2))
