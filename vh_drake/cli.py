@@ -37,6 +37,9 @@ JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the result alone, as JSON, on standard output.")
 ]
 
+WeightsOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Of the learned metric; the shipped ones else.")
+]
 HandOption = Annotated[
     str, typer.Option(metavar="NAME|FILE", help="Such as armar3_right, or a hand's description.")
 ]
@@ -158,6 +161,7 @@ def grasp(
     scorer: Annotated[
         str | None, typer.Option(help="learned, conventional, rate, epsilon or nominal")
     ] = None,
+    weights: WeightsOption = None,
     contact: Annotated[str | None, typer.Option(help="hydroelastic or point")] = None,
     hand: HandOption = "",
     mass: Annotated[float | None, typer.Option(help="Of the object, in kg.")] = None,
@@ -186,6 +190,7 @@ def grasp(
         touches=touches,
         attempts=attempts,
         scorer=scorer,
+        weights=None if weights is None else str(weights),
         contact=contact,
         hand=hand or None,
         mass_kg=mass,
@@ -216,6 +221,7 @@ def plan(
         typer.Option(metavar="X Y Z", help="Where the camera stood, in metres."),
     ] = None,
     hand: HandOption = "",
+    weights: WeightsOption = None,
     seed: Annotated[int, typer.Option(min=0, help="Of every random choice.")] = 0,
     top: Annotated[int, typer.Option(min=1, help="How many grasps are told.")] = 10,
     out: Annotated[Path, typer.Option(metavar="DIR", help="For results.")] = Path("out/plan"),
@@ -224,7 +230,9 @@ def plan(
     """Rate grasps for a point cloud of yours, without simulation."""
     from vh_drake.experiments.plan_command import PlanRequest, grasp_rows, plan_from_files
 
-    report = plan_from_files(PlanRequest(cloud, contacts, table, camera, hand, seed, top), out)
+    own = "" if weights is None else str(weights)
+    request = PlanRequest(cloud, contacts, table, camera, hand, seed, top, own)
+    report = plan_from_files(request, out)
     if as_json:
         print(json.dumps(report, indent=2))
     else:
@@ -301,9 +309,6 @@ RunsOption = Annotated[int | None, typer.Option(help="Repetitions of each object
 ScenesOption = Annotated[int | None, typer.Option(help="How many scenes in all.")]
 ContactOption = Annotated[str | None, typer.Option(help="hydroelastic or point")]
 SplitOption = Annotated[str | None, typer.Option(help="Of objects.csv: test or train.")]
-WeightsOption = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Of the learned metric; the shipped ones else.")
-]
 StrategiesOption = Annotated[
     str | None, typer.Option(help="Of exploration, comma-separated, or all.")
 ]

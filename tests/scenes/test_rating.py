@@ -6,6 +6,7 @@ import torch
 from lift_models import linear_model
 from scenery import can_surface, can_view, right_hand
 
+from vh_drake.errors import BadInput
 from vh_drake.gpis.surface import estimate_surface
 from vh_drake.grasping.closure_rate import PerturbationSettings
 from vh_drake.grasping.field import object_field
@@ -19,7 +20,8 @@ from vh_drake.learning.labels import (
     nominal_closure,
     nominal_epsilon,
 )
-from vh_drake.learning.metric import GraspMetric, load_metric
+from vh_drake.learning.lift_model import FILE, save_lift_model
+from vh_drake.learning.metric import GraspMetric, load_metric, save_metric
 from vh_drake.learning.network import GraspNetwork
 from vh_drake.scenes.rating import (
     conventional_scorer,
@@ -139,3 +141,22 @@ def test_a_baseline_is_its_measure_and_lots_decide_between_equals(name, candidat
     if name != "rate":  # which draws disturbances too
         assert 0 < np.abs(scores - other).max() < 2e-6
     assert len(make_scorer(name, hand, 3)(Candidates(), estimate, view, NONE).score) == 0
+
+
+def test_weights_of_ones_own_rate_with_the_lift_model_beside_them(
+    candidates, estimate, untrained, tmp_path
+):
+    path, hand, view = tmp_path / "mine.safetensors", right_hand(), can_view()
+    save_metric(path, untrained)
+    with pytest.raises(BadInput, match=r"lift_model\.json"):
+        make_scorer("learned", hand, 3, str(path))
+    save_lift_model(tmp_path / FILE, linear_model(load_metric(), SLOPES))
+    with pytest.raises(BadInput, match="belongs to other weights"):
+        make_scorer("learned", hand, 3, str(path))
+    lift = linear_model(untrained, SLOPES)
+    save_lift_model(tmp_path / FILE, lift)
+    scores = make_scorer("learned", hand, 3, str(path))(candidates, estimate, view, NONE)
+    expected = learned_scorer(untrained, lift, hand, 3)(candidates, estimate, view, NONE)
+    np.testing.assert_allclose(scores.score, expected.score, atol=1e-6)
+    with pytest.raises(BadInput, match="no file at"):
+        scorer_in_use("learned", hand, str(tmp_path / "none.safetensors"))

@@ -310,7 +310,7 @@ def _result(trial: Trial, story: Story, watch: _Watch) -> dict[str, object]:
         "mass_source": trial.model.mass_source,
         "object_report": list(trial.model.report),
         "seed": scenario.seed,
-        "scorer": scorer_in_use(scenario.scorer, trial.station.hand),
+        "scorer": scorer_in_use(scenario.scorer, trial.station.hand, scenario.weights),
         "contact_model": scenario.contact,
         "object_pose": rounded(trial.X_WO.GetAsMatrix4()),
         "points_seen": len(view.p_WO),

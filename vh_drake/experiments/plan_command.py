@@ -34,6 +34,7 @@ class PlanRequest:
     hand: str = ""  # a shipped one or a description; empty is the right hand of ARMAR-6
     seed: int = 0
     top: int = 10  # grasps that are reported
+    weights: str = ""  # of the learned metric; empty: the shipped ones
 
 
 def plan_from_files(request: PlanRequest, out: Path) -> dict[str, Any]:
@@ -57,6 +58,7 @@ def plan_from_files(request: PlanRequest, out: Path) -> dict[str, Any]:
         table=None if request.table is None else load_table(request.table),
         hand=hand,
         seed=request.seed,
+        weights=request.weights,
     )
     report = {
         "settings": _settings(request),

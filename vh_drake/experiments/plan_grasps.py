@@ -51,6 +51,7 @@ def plan_grasps(
     table: Plane | None = None,
     hand: HandModel | None = None,
     seed: int = 0,
+    weights: str = "",
 ) -> GraspPlan:
     """Estimates an object's surface and rates grasps on it.
 
@@ -61,17 +62,18 @@ def plan_grasps(
         table: the plane that the object stands on.
         hand: that shall grasp; the right hand of ARMAR-6 unless given.
         seed: of every random choice; the same seed gives the same plan.
+        weights: file of the learned metric, with its lift model beside it; empty: the shipped.
 
     Raises:
         NothingSeen: no table, or no object on it.
         BadInput: the camera is not over the table, the object is too large, contacts far
-            from it.
+            from it, or unusable weights.
     """
     start = time.perf_counter()
     hand = hand or read_hand_model(load_hand(default_hand()))
     contacts = contacts or ContactSet()
     segmentation = None if table else widened_workspace(cloud, seed)
-    diagram = make_planning(hand, seed, segmentation)
+    diagram = make_planning(hand, seed, segmentation, weights=weights)
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()
     diagram.GetInputPort("contacts").FixValue(context, Value[object](contacts))

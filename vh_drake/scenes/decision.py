@@ -173,7 +173,7 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
             scenario.seed,
             arm=kinematics,
         ),
-        "scorer": GraspScorer(make_scorer(scenario.scorer, hand, scenario.seed)),
+        "scorer": GraspScorer(make_scorer(scenario.scorer, hand, scenario.seed, scenario.weights)),
         "behaviour": Behaviour(
             hand,
             kinematics,

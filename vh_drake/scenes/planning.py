@@ -35,6 +35,7 @@ def make_planning(
     segmentation: SegmentationSettings | None,
     *,
     scorer: str = "learned",
+    weights: str = "",
 ) -> Diagram:
     """A diagram that answers one request, in 0.06 s of its time.
 
@@ -55,13 +56,16 @@ def make_planning(
         seed: of planner and scorer.
         segmentation: how the object is cut out of a cloud; None where its view is known.
         scorer: "learned" or "conventional".
+        weights: of the learned scorer, see `make_scorer`.
     """
     builder = DiagramBuilder()
     systems = {
         "request": builder.AddNamedSystem("request", ConstantVectorSource([1.0])),
         "estimator": builder.AddNamedSystem("estimator", GpisEstimator()),
         "planner": builder.AddNamedSystem("planner", GraspCandidatePlanner(hand, seed=seed)),
-        "scorer": builder.AddNamedSystem("scorer", GraspScorer(make_scorer(scorer, hand, seed))),
+        "scorer": builder.AddNamedSystem(
+            "scorer", GraspScorer(make_scorer(scorer, hand, seed, weights))
+        ),
     }
     for source, output, sink, port in _WIRES:
         builder.Connect(systems[source].GetOutputPort(output), systems[sink].GetInputPort(port))

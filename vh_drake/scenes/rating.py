@@ -17,7 +17,12 @@ from vh_drake.learning.labels import (
     nominal_epsilon,
 )
 from vh_drake.learning.lift_inputs import lift_inputs, with_success
-from vh_drake.learning.lift_model import LiftModel, check_metric, load_lift_model
+from vh_drake.learning.lift_model import (
+    LiftModel,
+    check_metric,
+    lift_model_beside,
+    load_lift_model,
+)
 from vh_drake.learning.metric import GraspMetric, Prediction, load_metric
 from vh_drake.types import Array, Candidates, ContactSet, GraspScores, ObjectView, Surface
 
@@ -28,36 +33,40 @@ _LOT = 1e-6  # less than any two measures differ
 _PASSES = 8  # of dropout, for the standard error
 
 
-def make_scorer(name: str, hand: HandModel, seed: int) -> Score:
+def make_scorer(name: str, hand: HandModel, seed: int, weights: str = "") -> Score:
     """The scorer of a scenario.
 
-    The shipped metric has learnt with one hand; candidates of any other are rated
-    conventionally, whatever the name.
+    A metric has learnt with one hand; candidates of any other are rated conventionally,
+    whatever the name.
 
     Args:
         name: "learned", "conventional", or one of BASELINES.
         hand: that shall grasp.
         seed: of every random choice.
+        weights: file of the learned metric, with its lift model beside it; empty: the shipped.
 
     Raises:
-        BadInput: the shipped weights are missing or damaged.
+        BadInput: weights are missing or damaged, or metric and lift model don't belong together.
     """
-    name = scorer_in_use(name, hand)
+    name, path = scorer_in_use(name, hand, weights), weights or None
     if name == "learned":
-        return learned_scorer(load_metric(), load_lift_model(), hand, seed)
+        lift = load_lift_model(lift_model_beside(path))
+        return learned_scorer(load_metric(path), lift, hand, seed)
     if name in BASELINES:
         return baseline_scorer(name, hand, seed)
     return conventional_scorer(hand, seed)
 
 
-def scorer_in_use(name: str, hand: HandModel) -> str:
-    """What rates the grasps of a hand where a scenario names a scorer.
+def scorer_in_use(name: str, hand: HandModel, weights: str = "") -> str:
+    """What rates the grasps of a hand where a scenario names a scorer, and maybe weights.
 
     Raises:
-        BadInput: the shipped weights are missing or damaged.
+        BadInput: the weights are missing or damaged.
     """
-    foreign = name == "learned" and load_metric().card.get("hand") != hand.description.name
-    return "conventional" if foreign else name
+    if name != "learned":
+        return name
+    learnt_with = load_metric(weights or None).card.get("hand")
+    return "learned" if learnt_with == hand.description.name else "conventional"
 
 
 def baseline_scorer(name: str, hand: HandModel, seed: int) -> Score:

@@ -108,6 +108,8 @@ class Scenario:
     approaches: list[str] = dc.field(default_factory=lambda: list(APPROACHES[:2]))
     # One of SCORERS; hands that the metric has not learnt with: "conventional".
     scorer: str = "learned"
+    # Of the learned metric, with its lift model beside them; empty takes the shipped ones.
+    weights: str = ""
     # How the hand closes: "closed_loop" or "open_loop".
     closing: str = "closed_loop"
     # How many grasps may be tried.
@@ -169,7 +171,7 @@ def _check_texts(scenario: Scenario) -> None:
     """Names and paths that no file system refuses outright."""
     if not scenario.object:
         raise BadInput("object is empty; name one of the library or a mesh file")
-    for name in ("object", "objects", "hand"):
+    for name in ("object", "objects", "hand", "weights"):
         text = getattr(scenario, name)
         if len(text) > _LONGEST_TEXT or not text.isprintable():
             raise BadInput(f"{name} {text[:80]!r} can't be a name or a path")
