@@ -35,7 +35,7 @@ from vh_drake.reports import Report, Row
 from vh_drake.scenes.rating import LearnedRating, learned_rating
 from vh_drake.types import Array, Candidates, IntArray
 
-SCENES = 150
+SCENES = 160  # in a few of them nothing is seen, or no grasp is found
 GRASPS = 20  # of each scene that are carried out
 CANDIDATES = 160  # of each scene, of which they are drawn
 TOUCHES = 1
