@@ -66,19 +66,22 @@ def load_samples(folder: Path, *, workers: int = 1, title: str = "") -> list[Sce
     paths = shard_paths(folder)
     missing = {path.name: path for path in paths if not _cache(path).is_file()}
     run_tasks(_cache_fields, missing, settings={}, workers=workers, title=title)
-    prior = _prior(paths)
-    samples = [sample for path in paths for sample in _shard_samples(path, prior)]
+    shards = {path: [s for s in read_shard(path) if len(s.candidates)] for path in paths}
+    prior = _prior([scene for scenes in shards.values() for scene in scenes])
+    samples = [
+        sample for path, scenes in shards.items() for sample in _shard_samples(path, scenes, prior)
+    ]
     if not samples:
         raise BadInput(f"{folder}: no scene has a candidate; generate more")
     return samples
 
 
-def _prior(shards: Sequence[Path]) -> RatePrior:
+def _prior(scenes: Sequence[LabelledScene]) -> RatePrior:
     """Of the rates of a data set; uniform where it has no candidate."""
-    scenes = [scene for shard in shards for scene in read_shard(shard)]
-    samples = np.concatenate([scene.label_samples for scene in scenes])
+    if not scenes:
+        return RatePrior()
     rate = np.concatenate([scene.label_rate for scene in scenes])
-    return fit_prior(rate, samples) if len(rate) else RatePrior()
+    return fit_prior(rate, np.concatenate([scene.label_samples for scene in scenes]))
 
 
 def split_objects(objects: Sequence[str], share: float, seed: int) -> tuple[set[str], set[str]]:
@@ -181,8 +184,9 @@ def inputs_of(scene: LabelledScene) -> tuple[SceneFields, NDArray[np.float32]]:
     return known.fields, pose_inputs(known.fields, scene.candidates, known.hints)
 
 
-def _shard_samples(shard: Path, prior: RatePrior) -> list[SceneSamples]:
-    scenes = [scene for scene in read_shard(shard) if len(scene.candidates)]
+def _shard_samples(
+    shard: Path, scenes: Sequence[LabelledScene], prior: RatePrior
+) -> list[SceneSamples]:
     with np.load(_cache(shard), allow_pickle=False) as arrays:
         return [
             scene_samples(
