@@ -21,7 +21,7 @@ STALL = 0.03  # share of its travel by which a stalled motor lags behind its com
 # and with 25 N as they pull.
 YIELD_M_S_N, YIELD_OVER_N, YIELD_MOST_M_S, YIELD_MOST_M = 0.01, 1.0, 0.02, 0.02
 PRESS_OVER_N = 30.0
-SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.004, 0.03, 2.0
+SETTLE_M, SETTLE_RAD, PATIENCE_S = 0.001, 0.01, 2.0
 
 
 @dc.dataclass(frozen=True, eq=False)
