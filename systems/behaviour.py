@@ -42,7 +42,8 @@ class BehaviourSettings:
     attempts: int = 1  # grasps
     look_after_s: float = 0.1  # the arm has come to rest
     least_weight_n: float = 0.12  # that the wrist feels while something is held
-    lost_after: int = 10  # updates in a row without it
+    least_gap: float = 0.1  # share of travel by which what is held stops motors early
+    lost_after: int = 10  # updates in a row without either
     same_place_m: float = 0.005  # largest misfit of a new look that keeps what was felt
     touch: TouchMotionSettings = dc.field(default_factory=TouchMotionSettings)
     grasp: GraspMotionSettings = dc.field(default_factory=GraspMotionSettings)
@@ -60,7 +61,7 @@ class _Mind(Immutable):
     touched_s: float | None = None  # when the finger came to rest
     touches_before: int = 0  # of the story, before the last look
     failed: tuple[tuple[Array, str], ...] = ()  # hand poses and motions that did not hold it
-    unloaded: int = 0  # updates in a row in which the lifting hand carried nothing
+    unloaded: int = 0  # updates in a row in which the lifting hand felt nothing
     surface_request: int = 0
     touch_request: int = 0
     grasp_request: int = 0
@@ -100,6 +101,7 @@ class Behaviour(CollectableSystem):
         - contact_point
         - force
         - joint_state
+        - motor_fraction
         output_ports:
         - view
         - contacts
@@ -126,6 +128,7 @@ class Behaviour(CollectableSystem):
     | contact_point   | in        | ContactSet    | m    | felt since the last tare              |
     | force           | in        | vector (3)    | N    | on the hand, in W                     |
     | joint_state     | in        | vector (16)   | rad  | commanded to the arm                  |
+    | motor_fraction  | in        | vector (k)    | -    | measured travel of the hand's motors  |
     | view            | out       | ObjectView    | m    | the last look                         |
     | contacts        | out       | ContactSet    | m    | felt so far                           |
     | surface_request | out       | vector (1)    | -    | a new id asks for an estimate         |
@@ -173,6 +176,7 @@ class Behaviour(CollectableSystem):
             ("grasp_served", 1),
             ("force", 3),
             ("joint_state", 16),
+            ("motor_fraction", len(hand.description.motors)),
         ):
             self._inputs[name] = self.DeclareVectorInputPort(name, size)
         self._state = self.DeclareAbstractState(Value[object](_Mind()))
@@ -380,22 +384,28 @@ class Behaviour(CollectableSystem):
         """S6: until the object was held up, or the hand has lost it."""
         progress: Progress = self._inputs["progress"].Eval(context)
         weight = -float(self._inputs["force"].Eval(context)[2])
-        carried = weight > self._settings.least_weight_n
+        held = weight > self._settings.least_weight_n or self._is_kept_open(context)
         if progress.done >= mind.program.id:
-            return self._held(mind, weight) if carried else self._lost(context, mind)
+            return self._held(mind, weight) if held else self._lost(context, mind)
         if progress.leg != "hold":
             return mind
-        unloaded = 0 if carried else mind.unloaded + 1
+        unloaded = 0 if held else mind.unloaded + 1
         if unloaded >= self._settings.lost_after:
             return self._lost(context, mind)
         return mind if unloaded == mind.unloaded else dc.replace(mind, unloaded=unloaded)
+
+    def _is_kept_open(self, context: Context) -> bool:
+        """Whether something between the fingers stops every motor earlier than an empty hand."""
+        empty = np.array([motor.empty for motor in self._hand.description.motors])
+        travel = self._inputs["motor_fraction"].Eval(context)
+        return bool((travel < empty - self._settings.least_gap).all())
 
     def _held(self, mind: _Mind, weight_n: float) -> _Mind:
         story = mind.story.with_outcome(held=True, weight_n=weight_n)
         return dc.replace(mind, story=dc.replace(story, phase="done", finished=True))
 
     def _lost(self, context: Context, mind: _Mind) -> _Mind:
-        """The wrist feels no weight: let go, look again, and grasp otherwise."""
+        """Neither wrist nor fingers feel anything: let go, look again, and grasp otherwise."""
         story = mind.story.with_outcome(held=False, weight_n=0.0)
         if len(story.grasps) >= self._settings.attempts:
             return dc.replace(mind, story=dc.replace(story, phase="done", finished=True))

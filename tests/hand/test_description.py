@@ -177,10 +177,14 @@ def test_an_incomplete_hand_is_refused_by_name(folder, changes, message):
         load_hand(write(folder, **changes))
 
 
-def test_a_motor_without_force_is_refused(folder):
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [("force_n", -1.0, "force_n is -1"), ("empty", 1.5, "empty is 1.5"), ("empty", -0.1, "empty")],
+)
+def test_a_motor_with_a_value_out_of_range_is_refused(folder, name, value, message):
     motors = yaml.safe_load(SHIPPED.read_text())["motors"]
-    motors[0]["force_n"] = -1.0
-    with pytest.raises(BadInput, match="force_n is -1"):
+    motors[0][name] = value
+    with pytest.raises(BadInput, match=message):
         load_hand(write(folder, motors=motors))
 
 

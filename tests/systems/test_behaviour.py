@@ -14,6 +14,7 @@ from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surf
 BACK = touch_of_the_can(0.0)
 SIDE = touch_of_the_can(0.5 * np.pi)
 CARRIED, EMPTY = np.array([0.1, 0.0, -2.0]), np.array([0.1, 0.05, -0.02])  # [N]
+CLOSED, KEPT_OPEN = np.array([0.9, 0.85]), np.array([0.64, 0.62])
 FELT = ContactSet(np.array([[0.741, -0.3, 0.97]]), np.array([[1.0, 0.0, 0.0]]))
 
 
@@ -41,6 +42,7 @@ def behaviour(*, caching=True, system=None, touches=1, attempts=1, **inputs):
         "contact_point": ContactSet(),
         "force": CARRIED,
         "joint_state": np.concatenate([right_arm().home, np.zeros(8)]),
+        "motor_fraction": CLOSED,
     }
     settings = BehaviourSettings(touches=touches, attempts=attempts)
     system = system or Behaviour(right_hand(), right_arm(), settings)
@@ -261,6 +263,26 @@ def test_a_hand_that_feels_the_weight_at_the_end_holds_the_object(candidates):
     (grasp,) = leaf.get("story").grasps
     assert grasp.held
     assert grasp.weight_n == pytest.approx(2.0)
+
+
+def test_fingers_that_are_kept_open_hold_what_is_too_light_to_be_felt(candidates):
+    leaf = grasping(candidates, attempts=3)
+    program = leaf.get("program").id
+    light = {"force": EMPTY, "motor_fraction": KEPT_OPEN}
+    for _ in range(BehaviourSettings().lost_after + 1):
+        assert step(leaf, progress=Progress(program - 1, "hold"), **light) == "grasp"
+    assert step(leaf, progress=Progress(program), **light) == "done"
+    assert leaf.get("story").grasps[0].held
+
+
+@pytest.mark.parametrize("travel", [(0.9, 0.62), (0.64, 0.85)])
+def test_one_motor_that_goes_as_far_as_in_an_empty_hand_tells_that_nothing_is_held(
+    candidates, travel
+):
+    leaf = grasping(candidates, attempts=1)
+    end = Progress(leaf.get("program").id)
+    assert step(leaf, progress=end, force=EMPTY, motor_fraction=np.array(travel)) == "done"
+    assert leaf.get("story").grasps[0].held is False
 
 
 def test_an_empty_hand_lets_go_looks_again_and_grasps_elsewhere(candidates):

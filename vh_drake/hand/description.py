@@ -33,6 +33,9 @@ class Motor:
     joint: str = ""
     closed_m: float = 0.0  # travel that closes its fingers fully in free space [m]
     force_n: float = 0.0  # largest pull [N]
+    # Share of its travel after which it stops where the hand closes on nothing, as fingers meet
+    # each other; 0: unknown.
+    empty: float = 0.0
 
 
 @dc.dataclass
@@ -136,6 +139,10 @@ def _motor_problems(hand: HandDescription) -> list[str]:
         for motor in hand.motors
         for name, value in (("closed_m", motor.closed_m), ("force_n", motor.force_n))
         if not (math.isfinite(value) and value > 0.0)
+    ] + [
+        f"motor {motor.joint!r}: empty is {motor.empty:g}, but must be a share in 0..1"
+        for motor in hand.motors
+        if not 0.0 <= motor.empty <= 1.0
     ]
 
 

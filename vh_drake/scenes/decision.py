@@ -71,6 +71,7 @@ INPUTS = (
     ("commanded_pose", "executor", "hand_pose"),
     ("commanded_state", "behaviour", "joint_state"),
     ("motor_fraction", "executor", "motor_fraction"),
+    ("motor_fraction", "behaviour", "motor_fraction"),
 )
 
 WIRES = (
