@@ -22,6 +22,7 @@ class CartesianPositionController(CollectableSystem):
         input_ports:
         - target_pose
         - hand_pose
+        - target_velocity
         output_ports:
         - spatial_velocity
 
@@ -30,6 +31,7 @@ class CartesianPositionController(CollectableSystem):
     ==================  =========  ==============  ==========  ================================
     target_pose         in         RigidTransform  m           hand pose X_WH to reach
     hand_pose           in         RigidTransform  m           hand pose X_WH now
+    target_velocity     in         vector (6)      rad/s, m/s  of the target; may be left open
     spatial_velocity    out        vector (6)      rad/s, m/s  of H in W, angular part first
     ==================  =========  ==============  ==========  ================================
 
@@ -52,11 +54,13 @@ class CartesianPositionController(CollectableSystem):
         self._max_linear_m_s = max_linear_m_s
         self._target = self.DeclareAbstractInputPort("target_pose", Value(RigidTransform()))
         self._hand = self.DeclareAbstractInputPort("hand_pose", Value(RigidTransform()))
+        self._velocity = self.DeclareVectorInputPort("target_velocity", 6)
+        inputs = (self._target, self._hand, self._velocity)
         self.DeclareVectorOutputPort(
             "spatial_velocity",
             6,
             self._calc_spatial_velocity,
-            prerequisites_of_calc={self._target.ticket(), self._hand.ticket()},
+            prerequisites_of_calc={port.ticket() for port in inputs},
         )
 
     def _calc_spatial_velocity(self, context: Context, output: BasicVector) -> None:
@@ -64,6 +68,9 @@ class CartesianPositionController(CollectableSystem):
             cartesian_position_velocity(
                 self._target.Eval(context).GetAsMatrix4(),
                 self._hand.Eval(context).GetAsMatrix4(),
+                V_WH_target=self._velocity.Eval(context)
+                if self._velocity.HasValue(context)
+                else None,
                 gain_per_s=self._gain_per_s,
                 max_angular_rad_s=self._max_angular_rad_s,
                 max_linear_m_s=self._max_linear_m_s,

@@ -8,6 +8,7 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, EventStatus, State
 
+from vh_drake.control.cartesian_position import pose_error
 from vh_drake.grasping.closing_pose import closing_offset
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress, interpolate, smooth
@@ -103,6 +104,7 @@ class GraspExecutor(CollectableSystem):
         - missed
         output_ports:
         - target_pose
+        - target_velocity
         - motor_command
         - tare
         - approach_direction
@@ -119,6 +121,7 @@ class GraspExecutor(CollectableSystem):
     | force              | in        | vector (3)     | N    | on the hand since the last tare     |
     | missed             | in        | vector (1)     | -    | 1: the curve ended, nothing touched |
     | target_pose        | out       | RigidTransform | m    | X_WH where the hand shall be now    |
+    | target_velocity    | out       | vector (6)     | *    | of it in W, rad/s, then m/s         |
     | motor_command      | out       | vector (k)     | -    | where the motors shall be now       |
     | tare               | out       | vector (1)     | -    | id; a change asks for F_0           |
     | approach_direction | out       | vector (3)     | -    | of a guarded leg, in W; else 0      |
@@ -164,6 +167,12 @@ class GraspExecutor(CollectableSystem):
             prerequisites_of_calc=timed | {self._fraction.ticket()},
         )
         self.DeclareVectorOutputPort(
+            "target_velocity",
+            6,
+            self._calc_velocity,
+            prerequisites_of_calc=timed | {self._fraction.ticket()},
+        )
+        self.DeclareVectorOutputPort(
             "motor_command", k, self._calc_motors, prerequisites_of_calc=timed
         )
         self.DeclareVectorOutputPort("tare", 1, self._calc_tare, prerequisites_of_calc=run)
@@ -193,7 +202,8 @@ class GraspExecutor(CollectableSystem):
         program: MotionProgram = self._program.Eval(context)
         if program.id > run.program.id:
             motors = self._motors(context, run)
-            run = self._begin(context, dc.replace(run, program=program, leg=0, motors0=motors))
+            run = dc.replace(run, program=program, leg=0, motors0=motors)
+            run = self._begin(context, run, self._pose.Eval(context).GetAsMatrix4())
         elif (ended := self._ended(context, run)) is not None:
             run = self._next(context, run, felt=ended)
         elif run.current is not None and run.current.closing and not run.current.tape:
@@ -219,10 +229,9 @@ class GraspExecutor(CollectableSystem):
             return run
         return dc.replace(run, shift=shift)
 
-    def _begin(self, context: Context, run: _Run) -> _Run:
-        """The running leg starts here and now."""
+    def _begin(self, context: Context, run: _Run, X_WH0: Array) -> _Run:
+        """The running leg starts now, in a pose (4, 4)."""
         leg = run.current
-        X_WH0 = self._pose.Eval(context).GetAsMatrix4()
         if leg is None:
             return dc.replace(run, done=run.program.id, X_WH0=X_WH0)
         fraction = run.motors0 if leg.tape else self._fraction.Eval(context)
@@ -250,16 +259,18 @@ class GraspExecutor(CollectableSystem):
         """Go on to the next leg, or end the program."""
         leg = run.current
         assert leg is not None
+        X_WH = self._pose.Eval(context).GetAsMatrix4()
+        # A hand that closes lags behind its target; what it has not caught up with is not lost.
+        start = self._target(context, run) if leg.closing else X_WH
         motors = self._motors(context, run)
         run = dc.replace(run, motors0=motors, felt=felt if leg.guarded else run.felt)
         if leg.otherwise and -self._force.Eval(context)[2] < leg.least_load_n:
             program = dc.replace(run.program, legs=leg.otherwise)
-            return self._begin(context, dc.replace(run, program=program, leg=0))
+            return self._begin(context, dc.replace(run, program=program, leg=0), start)
         if leg.touch is not None or run.leg + 1 == len(run.program.legs):
-            X_WH = self._pose.Eval(context).GetAsMatrix4()
             keep = leg.X_WH if not felt and leg.touch is None and not leg.closing else X_WH
             return dc.replace(run, done=run.program.id, X_WH0=keep)
-        return self._begin(context, dc.replace(run, leg=run.leg + 1))
+        return self._begin(context, dc.replace(run, leg=run.leg + 1), start)
 
     def _ended(self, context: Context, run: _Run) -> bool | None:
         """None while the leg runs; else whether a contact ended it."""
@@ -287,16 +298,17 @@ class GraspExecutor(CollectableSystem):
         distance = np.linalg.norm(X_WH[:3, 3] - leg.X_WH[:3, 3])
         return bool(distance < SETTLE_M and np.arccos(turn) < SETTLE_RAD)
 
-    def _share(self, context: Context, run: _Run, leg: Leg) -> float:
-        """Of the leg's time that has passed; above 1 where it is late."""
-        return (context.get_time() - run.since_s) / max(leg.duration_s, 1e-9)
+    def _share(self, context: Context, run: _Run, leg: Leg, ahead_s: float = 0.0) -> float:
+        """Of the leg's time that has passed, or will have in a while; from 0 to 1."""
+        elapsed = context.get_time() + ahead_s - run.since_s
+        return min(max(elapsed / max(leg.duration_s, 1e-9), 0.0), 1.0)
 
-    def _motors(self, context: Context, run: _Run) -> Array:
-        """Motor command (k,) now."""
+    def _motors(self, context: Context, run: _Run, ahead_s: float = 0.0) -> Array:
+        """Motor command (k,) now, or in a while."""
         leg = run.current
         if leg is None:
             return run.motors0
-        share = min(max(self._share(context, run, leg), 0.0), 1.0)
+        share = self._share(context, run, leg, ahead_s)
         return (1.0 - share) * run.motors0 + share * leg.motors
 
     def _stalls(self, context: Context, run: _Run) -> bool:
@@ -307,28 +319,39 @@ class GraspExecutor(CollectableSystem):
         lag = self._motors(context, run) - self._fraction.Eval(context)
         return bool(lag.max() > STALL or self._force.Eval(context)[2] > PRESS_OVER_N)
 
-    def _closing_pose(self, context: Context, run: _Run) -> Array:
+    def _closing_pose(self, context: Context, run: _Run, ahead_s: float = 0.0) -> Array:
         """The hand pose (4, 4) that goes with the fingers' measured travel."""
         leg = run.current
         assert leg is not None
-        travel = self._motors(context, run) if leg.tape else self._fraction.Eval(context)
+        travel = self._motors(context, run, ahead_s)
+        if not leg.tape:
+            travel = travel - self._motors(context, run) + self._fraction.Eval(context)
         now = closing_offset(self._hand, leg.closing, travel)
         X_WH: Array = run.X_WH0Open @ now
         return X_WH
 
-    def _calc_target(self, context: Context, output: Value) -> None:
-        run = self._run(context)
+    def _target(self, context: Context, run: _Run, ahead_s: float = 0.0) -> Array:
+        """Where the hand (4, 4) shall be now, or in a while."""
         leg = run.current
         if leg is None:
-            X_WH = run.X_WH0
-        elif leg.closing:
-            still = self._closing_pose(context, run) if run.held is None else run.held
-            X_WH = _shifted(still, run.shift)
-        else:
-            share = self._share(context, run, leg)
-            share = min(max(share, 0.0), 1.0) if leg.guarded else smooth(share)
-            X_WH = interpolate(run.X_WH0, leg.X_WH, share)
-        output.set_value(RigidTransform(X_WH))
+            return run.X_WH0
+        if leg.closing:
+            still = run.held
+            if still is None:
+                still = self._closing_pose(context, run, ahead_s)
+            return _shifted(still, run.shift)
+        share = self._share(context, run, leg, ahead_s)
+        share = share if leg.guarded else smooth(share)
+        X_WH: Array = interpolate(run.X_WH0, leg.X_WH, share)
+        return X_WH
+
+    def _calc_target(self, context: Context, output: Value) -> None:
+        output.set_value(RigidTransform(self._target(context, self._run(context))))
+
+    def _calc_velocity(self, context: Context, output: BasicVector) -> None:
+        run = self._run(context)
+        now, soon = (self._target(context, run, ahead_s) for ahead_s in (0.0, PERIOD_S))
+        output.SetFromVector(pose_error(soon, now) / PERIOD_S)
 
     def _calc_motors(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._motors(context, self._run(context)))

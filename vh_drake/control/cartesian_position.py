@@ -15,6 +15,7 @@ def cartesian_position_velocity(
     X_WH_target: Array,
     X_WH: Array,
     *,
+    V_WH_target: Array | None = None,
     gain_per_s: float = GAIN_PER_S,
     max_angular_rad_s: float = MAX_ANGULAR_RAD_S,
     max_linear_m_s: float = MAX_LINEAR_M_S,
@@ -22,15 +23,17 @@ def cartesian_position_velocity(
     r"""Spatial velocity [w; v] (6,) of H in W that moves the hand to its target.
 
     .. math:: V = \lambda e, \quad
-        e = \begin{bmatrix} \log(R_t R^\top) \\ p_t - p \end{bmatrix}, \quad
+        e = \begin{bmatrix} \log(R_t R^\top) \\ p_t - p \end{bmatrix} + V_t / K, \quad
         \lambda = \min(K, \omega_{max} / |e_R|, v_{max} / |e_p|)
 
     One factor scales both parts, so that turning and moving end together and the path is
-    straight; near the target it is the gain K, so that the hand comes to rest smoothly.
+    straight; near the target it is the gain K, so that the hand comes to rest smoothly. Told how
+    the target moves, V_t, the hand keeps up with it; else it lags by V_t / K.
 
     Args:
         X_WH_target: homogeneous pose (4, 4) to reach.
         X_WH: homogeneous pose (4, 4) now.
+        V_WH_target: spatial velocity V_t (6,) of the target; None: it stands still.
         gain_per_s: K [1/s].
         max_angular_rad_s: bound of the angular part.
         max_linear_m_s: bound of the linear part.
@@ -39,6 +42,8 @@ def cartesian_position_velocity(
         BadInput: a pose is no (4, 4) array of finite numbers.
     """
     error = pose_error(X_WH_target, X_WH)
+    if V_WH_target is not None:
+        error = error + V_WH_target / gain_per_s
     velocity: Array = kernels.bounded_velocity(error, gain_per_s, max_angular_rad_s, max_linear_m_s)
     return velocity
 

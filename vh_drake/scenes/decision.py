@@ -111,6 +111,7 @@ WIRES = (
     ("executor", "tare", "contact_estimator", "tare"),
     ("executor", "approach_direction", "contact_estimator", "approach_direction"),
     ("executor", "target_pose", "position_controller", "target_pose"),
+    ("executor", "target_velocity", "position_controller", "target_velocity"),
     ("executor", "touch_plan", "follower", "plan"),
     ("executor", "follow", "follower", "enable"),
     ("fingertip", "fingertip_pose", "follower", "fingertip_pose"),
