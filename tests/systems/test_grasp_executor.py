@@ -1,10 +1,12 @@
 import dataclasses as dc
+import itertools
 
 import numpy as np
 import pytest
 from leaf import Leaf
 from pydrake.math import RigidTransform
 
+from vh_drake.control.cartesian_position import pose_error
 from vh_drake.geometry.model_files import models_folder
 from vh_drake.grasping.closing_pose import closing_offset
 from vh_drake.hand.description import load_hand
@@ -211,6 +213,51 @@ def test_a_closing_hand_follows_the_measured_travel(caching):
     assert np.abs(expected - HOME).max() > 0.005
     leaf.advance(0.3)  # Time alone moves the motors, not the hand.
     np.testing.assert_allclose(target(leaf), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("caching", [True, False])
+def test_closing_legs_join_where_the_target_is_not_where_the_hand_lags(caching):
+    press = Leg("press", HOME, np.array([0.4, 0.4]), 0.3, closing="collect", yields=True)
+    squeeze = Leg("squeeze", HOME, CLOSED, 0.3, closing="collect", stands=True)
+    legs = (press, dc.replace(press, name="close"), squeeze)
+    leaf = executor(*legs, motor_fraction=[0.2, 0.1], force=[3.0, 0.0, 0.0], caching=caching)
+    leaf.fix(motor_fraction=[0.4, 0.4])
+    for name in ("close", "squeeze"):
+        leaf.advance(0.28)
+        before = target(leaf)
+        at(leaf, HOME).advance(2 * PERIOD_S)  # The hand has not moved at all.
+        assert leaf.get("progress").leg == name
+        np.testing.assert_allclose(target(leaf), before, atol=YIELD_MOST_M_S * 3 * PERIOD_S)
+    assert np.linalg.norm(before[:3, 3] - HOME[:3, 3]) > 0.01
+
+
+@pytest.mark.parametrize("caching", [True, False])
+@pytest.mark.parametrize(
+    "leg",
+    [
+        GO,
+        GUARDED,
+        Leg("close", HOME, CLOSED, 0.5, closing="collect"),
+        Leg("close", HOME, CLOSED, 0.5, closing="collect", tape=True),
+    ],
+    ids=["free", "guarded", "closing", "tape"],
+)
+def test_the_target_velocity_is_the_rate_of_the_target(leg, caching):
+    leaf, poses, velocities = executor(leg, caching=caching), [], []
+    for _ in range(20):
+        leaf.fix(motor_fraction=leaf.get("motor_command"))
+        poses.append(target(leaf))
+        velocities.append(leaf.get("target_velocity"))
+        leaf.advance(PERIOD_S)
+    rates = [pose_error(b, a) / PERIOD_S for a, b in itertools.pairwise(poses)]
+    assert np.linalg.norm(rates, axis=1).max() > 0.02
+    np.testing.assert_allclose(velocities[:-1], rates, atol=1e-6)
+
+
+def test_a_target_that_stands_has_no_velocity():
+    stands = Leg("close", HOME, CLOSED, 5.0, closing="collect", stands=True)
+    for legs in ((), (stands,)):
+        np.testing.assert_array_equal(executor(*legs).get("target_velocity"), np.zeros(6))
 
 
 def test_a_tape_follows_the_commanded_travel_whatever_the_fingers_do():
