@@ -82,18 +82,18 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
     if seen is None:
         return []
     settings = PlannerSettings(candidates=CANDIDATES)
-    candidates = plan_candidates(seen.surface, seen.view.table, hand, settings, task["seed"])
-    if len(candidates) == 0:
+    planned = plan_candidates(seen.surface, seen.view.table, hand, settings, task["seed"])
+    if len(planned) == 0:
         return []
+    candidates = planned.taken(drawn_by_lot(len(planned), GRASPS, task["seed"]))
     scene = (candidates, seen.surface, seen.view, seen.contacts)
     rating = learned_rating(
         _metric(task["weights"]), _lift_model(task["weights"]), hand, task["seed"], scene
     )
-    chosen = drawn_by_lot(len(candidates), GRASPS, task["seed"])
-    scores = _scores(seen, candidates, rating, chosen, task["seed"])
+    scores = _scores(seen, candidates, rating, task["seed"])
     lifter = lifter_of(*own)
     rows = []
-    for k, i in enumerate(chosen):
+    for i in range(len(candidates)):
         lift = lifter.lift(seen.truth.X_WO, candidates.X_WH[i], candidates.motion[i])
         rows.append(
             {
@@ -102,7 +102,7 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
                 "planner": candidates.planner[i],
                 "lifted": lift.lifted,
                 "height_m": round(lift.height_m, 4),
-                **{name: round(float(values[k]), 5) for name, values in scores.items()},
+                **{name: round(float(values[i]), 5) for name, values in scores.items()},
             }
         )
     return rows
@@ -115,20 +115,19 @@ def drawn_by_lot(count: int, most: int, seed: int) -> IntArray:
 
 
 def _scores(
-    seen: SeenScene, candidates: Candidates, rating: LearnedRating, chosen: IntArray, seed: int
+    seen: SeenScene, grasps: Candidates, rating: LearnedRating, seed: int
 ) -> dict[str, Array]:
-    """Of the chosen candidates, by the names of SCORES."""
-    hand, own = hand_model(""), candidates.taken(chosen)
-    plane, settings = seen.view.table, ScoringSettings()
+    """Of the grasps, by the names of SCORES."""
+    hand, plane, settings = hand_model(""), seen.view.table, ScoringSettings()
     return {
-        "learned": rating.lift[chosen],
-        "metric": rating.told.success[chosen],
-        "conventional": score_candidates(own, seen.surface, plane, hand, settings, seed).score,
-        "rate": guarded_rates(own, seen.field, hand, _SURE, seed).rate,
-        "rate_on_estimate": guarded_rates(own, seen.estimate, hand, _SURE, seed + 1).rate,
-        "epsilon": nominal_epsilon(own, seen.field, hand, _SURE),
-        "epsilon_on_estimate": nominal_epsilon(own, seen.estimate, hand, _SURE),
-        "nominal_on_estimate": rating.hints.nominal[chosen].astype(float),
+        "learned": rating.lift,
+        "metric": rating.told.success,
+        "conventional": score_candidates(grasps, seen.surface, plane, hand, settings, seed).score,
+        "rate": guarded_rates(grasps, seen.field, hand, _SURE, seed).rate,
+        "rate_on_estimate": guarded_rates(grasps, seen.estimate, hand, _SURE, seed + 1).rate,
+        "epsilon": nominal_epsilon(grasps, seen.field, hand, _SURE),
+        "epsilon_on_estimate": nominal_epsilon(grasps, seen.estimate, hand, _SURE),
+        "nominal_on_estimate": rating.hints.nominal.astype(float),
     }
 
 
