@@ -16,10 +16,9 @@ from vh_drake.experiments.grasp_trial import run_trial
 from vh_drake.objects.folders import FolderEntry, read_folder
 from vh_drake.objects.library import library_names
 from vh_drake.reports import Row
-from vh_drake.scenes.scenario import Scenario, check_scenario
+from vh_drake.scenes.scenario import POINT_STEP_S, Scenario, check_scenario
 
 CLASSES = ("core", "hard")  # of objects that the hand is asked to lift; "no" is left out
-_POINT_STEP_S = 0.0025  # longer ones let what is light and round slip
 
 
 @dc.dataclass(frozen=True)
@@ -69,7 +68,7 @@ def _object_of(folder: Path, name: str, entry: FolderEntry) -> LiftObject:
 
 def trial_settings(item: LiftObject, seed: int, contact: str, **changes: Any) -> Row:
     """The task of one trial; `changes` are fields of the Scenario, nested ones as dicts."""
-    step = _POINT_STEP_S if contact == "point" else Scenario().time_step_s
+    step = POINT_STEP_S if contact == "point" else Scenario().time_step_s
     scenario = {
         "object": item.name,
         "objects": item.folder,

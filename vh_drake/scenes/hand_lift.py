@@ -15,13 +15,12 @@ from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import SLOW_M_S, Leg, MotionProgram, Progress, travel_time
 from vh_drake.objects.model import ObjectModel
 from vh_drake.scenes.moving_hand import MovingHand, make_moving_hand
-from vh_drake.scenes.scenario import Table
+from vh_drake.scenes.scenario import POINT_STEP_S, Table
 from vh_drake.systems.base_drive import BaseDrive
 from vh_drake.systems.grasp_executor import GraspExecutor
 from vh_drake.types import Array
 
 GAP_M = 0.0005  # of the object over the table at the start
-_STEP_S = 0.004
 _TICK_S = 0.04
 _BACK_M, _BACK_STEP_M, _FARTHEST_M = 0.04, 0.02, 0.2  # where the approach starts
 _CLEAR_M = 0.002  # of the open hand there
@@ -65,7 +64,7 @@ class HandLifter:
         table: Table,
         motion: GraspMotionSettings | None = None,
         *,
-        step_s: float = _STEP_S,
+        step_s: float = POINT_STEP_S,
     ) -> None:
         self._hand, self._table = hand, table
         self._motion = motion or lift_motion()
