@@ -384,7 +384,7 @@ class Behaviour(CollectableSystem):
         """S6: until the object was held up, or the hand has lost it."""
         progress: Progress = self._inputs["progress"].Eval(context)
         weight = -float(self._inputs["force"].Eval(context)[2])
-        held = weight > self._settings.least_weight_n or self._is_kept_open(context)
+        held = weight > self._settings.least_weight_n or self._is_kept_open(context, mind)
         if progress.done >= mind.program.id:
             return self._held(mind, weight) if held else self._lost(context, mind)
         if progress.leg != "hold":
@@ -394,11 +394,15 @@ class Behaviour(CollectableSystem):
             return self._lost(context, mind)
         return mind if unloaded == mind.unloaded else dc.replace(mind, unloaded=unloaded)
 
-    def _is_kept_open(self, context: Context) -> bool:
-        """Whether something between the fingers stops every motor earlier than an empty hand."""
+    def _is_kept_open(self, context: Context, mind: _Mind) -> bool:
+        """Whether every motor stops before it is where it goes to, and where an empty hand stops.
+
+        Something between the fingers stops it.
+        """
         empty = np.array([motor.empty for motor in self._hand.description.motors])
+        free = np.minimum(empty, mind.program.legs[-1].motors)
         travel = self._inputs["motor_fraction"].Eval(context)
-        return bool((travel < empty - self._settings.least_gap).all())
+        return bool((travel < free - self._settings.least_gap).all())
 
     def _held(self, mind: _Mind, weight_n: float) -> _Mind:
         story = mind.story.with_outcome(held=True, weight_n=weight_n)

@@ -7,7 +7,8 @@ from scenery import can_surface, can_view, right_arm, right_hand, touch_of_the_c
 
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
-from vh_drake.hand.program import Progress
+from vh_drake.hand.program import Leg, Progress
+from vh_drake.systems import behaviour as behaviours
 from vh_drake.systems.behaviour import PERIOD_S, Behaviour, BehaviourSettings
 from vh_drake.types import Candidates, ContactSet, GraspScores, ObjectView, Surface
 
@@ -282,6 +283,15 @@ def test_one_motor_that_goes_as_far_as_in_an_empty_hand_tells_that_nothing_is_he
     leaf = grasping(candidates, attempts=1)
     end = Progress(leaf.get("program").id)
     assert step(leaf, progress=end, force=EMPTY, motor_fraction=np.array(travel)) == "done"
+    assert leaf.get("story").grasps[0].held is False
+
+
+def test_a_hand_that_has_not_tried_to_close_is_not_kept_open(candidates, monkeypatch):
+    legs = (Leg("close", np.eye(4), np.array([0.5, 0.5])),)
+    monkeypatch.setattr(behaviours, "find_grasp", lambda *args, **options: (0, legs))
+    leaf = grasping(candidates, attempts=1)
+    end = Progress(leaf.get("program").id)
+    assert step(leaf, progress=end, force=EMPTY, motor_fraction=[0.48, 0.49]) == "done"
     assert leaf.get("story").grasps[0].held is False
 
 
