@@ -48,6 +48,12 @@ class _Run(Immutable):
         running = self.program.id > self.done and self.leg < len(self.program.legs)
         return self.program.legs[self.leg] if running else None
 
+    @property
+    def stands(self) -> bool:
+        """Whether the hand's target does not move within a period."""
+        leg = self.current
+        return leg is None or bool(leg.closing and self.held is not None)
+
 
 def _raised(X_WH: Array, rise_m: float) -> Array:
     X = X_WH.copy()
@@ -160,12 +166,12 @@ class GraspExecutor(CollectableSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(PERIOD_S, 0.0, self._update)
         run = {self.abstract_state_ticket(state)}
         timed = run | {self.time_ticket()}
-        self.DeclareAbstractOutputPort(
+        self._target_index = self.DeclareAbstractOutputPort(
             "target_pose",
             lambda: Value(RigidTransform()),
             self._calc_target,
             prerequisites_of_calc=timed | {self._fraction.ticket()},
-        )
+        ).get_index()
         self.DeclareVectorOutputPort(
             "target_velocity",
             6,
@@ -350,7 +356,11 @@ class GraspExecutor(CollectableSystem):
 
     def _calc_velocity(self, context: Context, output: BasicVector) -> None:
         run = self._run(context)
-        now, soon = (self._target(context, run, ahead_s) for ahead_s in (0.0, PERIOD_S))
+        if run.stands:
+            output.SetZero()
+            return
+        now = self.get_output_port(self._target_index).Eval(context).GetAsMatrix4()
+        soon = self._target(context, run, PERIOD_S)
         output.SetFromVector(pose_error(soon, now) / PERIOD_S)
 
     def _calc_motors(self, context: Context, output: BasicVector) -> None:

@@ -12,6 +12,18 @@ from vh_drake.types import Array
 
 _POINTS = ("points", "p_WC", "xyz", "arr_0")
 _CAMERA = ("camera", "p_WCamera")
+# What zipfile, zlib and NumPy raise at damaged archives.
+_DAMAGES = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    KeyError,
+    OSError,
+    OverflowError,
+    RuntimeError,
+    SyntaxError,
+    ValueError,
+)
 
 
 def read_npz_points(data: bytes, max_points: int) -> tuple[Array, Array]:
@@ -36,9 +48,7 @@ def read_npz_points(data: bytes, max_points: int) -> tuple[Array, Array]:
             centre = _member(archive, names[camera], 4096) if camera else np.zeros(3)
     except BadInput:
         raise
-    except (zipfile.BadZipFile, zlib.error, OSError, EOFError, NotImplementedError) as error:
-        raise BadInput(f"it is a damaged NPZ file: {error}") from error
-    except (ValueError, RuntimeError, SyntaxError, OverflowError, KeyError) as error:
+    except _DAMAGES as error:
         raise BadInput(f"it is a damaged NPZ file: {error}") from error
     return _shaped(points, max_points), _centre(centre)
 
