@@ -9,6 +9,7 @@ from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPo
 
 from vh_drake.control.arm_collisions import ArmCollisions
 from vh_drake.control.kinematics import ArmKinematics
+from vh_drake.exploration.felt_shift import felt_shift
 from vh_drake.exploration.planar_registration import registered
 from vh_drake.exploration.touch_motion import TouchMotion, TouchMotionSettings, find_touch
 from vh_drake.grasping.approach import GraspMotionSettings, find_grasp, release_legs
@@ -17,6 +18,7 @@ from vh_drake.grasping.story import GraspRecord, Story, TouchRecord
 from vh_drake.hand.clearance import obstacles
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress
+from vh_drake.sensing.calibration import moved
 from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.systems.grasp_scorer import ranking
 from vh_drake.types import (
@@ -60,6 +62,7 @@ class _Mind(Immutable):
     touch: TouchMotion | None = None
     touched_s: float | None = None  # when the finger came to rest
     touches_before: int = 0  # of the story, before the last look
+    shift: Array = dc.field(default_factory=lambda: np.zeros(3))  # of views, as touches tell [m]
     failed: tuple[tuple[Array, str], ...] = ()  # hand poses and motions that did not hold it
     unloaded: int = 0  # updates in a row in which the lifting hand felt nothing
     surface_request: int = 0
@@ -249,6 +252,8 @@ class Behaviour(CollectableSystem):
         if status != "ok":
             return mind.giving_up(str(status))
         view = self._inputs["object_view"].Eval(context)
+        if mind.shift.any():  # The camera's error stays what it was.
+            view = moved(view, mind.shift, mind.view.shift_covariance)
         if mind.story.grasps:
             mind = self._corrected(context, mind, view)
         return self._estimating(dc.replace(mind, view=view))
@@ -305,7 +310,7 @@ class Behaviour(CollectableSystem):
             self._hand,
             self._kinematics,
             q,
-            mind.view.p_WCamera,
+            mind.view,
             self._settings.touch,
             collisions=self._collisions,
         )
@@ -330,10 +335,24 @@ class Behaviour(CollectableSystem):
         record = TouchRecord(touch.plan, False, context.get_time())
         if progress.felt and len(felt):
             record = dc.replace(record, felt=True, p_WC=felt.p_WC[0], n_WC=felt.n_WC[0])
+            mind = self._shifted(context, mind)
             mind = dc.replace(mind, contacts=mind.contacts.with_contact(record.p_WC, record.n_WC))
         story = dc.replace(mind.story, touches=(*mind.story.touches, record))
         mind = dc.replace(mind, story=story, touched_s=None)
         return mind.moving(touch.retreat).entering("retreat")
+
+    def _shifted(self, context: Context, mind: _Mind) -> _Mind:
+        """The view moves by what a touch tells of the camera's error."""
+        if not mind.view.shift_covariance.any():
+            return mind
+        assert mind.touch is not None
+        q = self._inputs["joint_state"].Eval(context)[:8]
+        way = mind.touch.way(self._kinematics.pose(q))
+        centers, radii = self._hand.spheres(self._hand.lower)
+        p_WS = np.array([centers @ X[:3, :3].T + X[:3, 3] for X in way])
+        distance = obstacles(self._inputs["surface"].Eval(context), mind.view.table).distance
+        shift, left = felt_shift(distance, p_WS, radii, mind.view.shift_covariance)
+        return dc.replace(mind, view=moved(mind.view, shift, left), shift=mind.shift + shift)
 
     def _retreat(self, context: Context, mind: _Mind) -> _Mind:
         progress: Progress = self._inputs["progress"].Eval(context)

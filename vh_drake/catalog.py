@@ -270,6 +270,11 @@ REPRODUCTIONS: Mapping[str, Entry] = {
         "The same with very many lifts by the hand alone.",
         ("objects", "split", "scenes"),
     ),
+    "hand-eye": Entry(
+        "vh_drake.experiments.hand_eye",
+        "One touch against none where the camera's pose is known badly, on the same scenes.",
+        (*_LIFTS, "scenes"),
+    ),
     "robustness": Entry(
         "vh_drake.experiments.robustness",
         "Lift success under friction, mass, noise and calibration errors, one at a time.",

@@ -65,6 +65,8 @@ class ObjectView(Immutable):
     n_WO: Array = field(default_factory=lambda: _empty(0, 3))  # (n, 3) outward normals
     table: Plane = field(default_factory=Plane)
     p_WCamera: Array = field(default_factory=lambda: _empty(3))  # (3,) optical centre [m]
+    # (3, 3) of an error of the camera's pose, which moves all points alike [m²]
+    shift_covariance: Array = field(default_factory=lambda: _empty(3, 3))
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@ import pytest
 from scipy.stats import bootstrap
 
 from vh_drake.catalog import Options
-from vh_drake.experiments import closed_loop, stages
+from vh_drake.experiments import closed_loop, hand_eye, stages
 from vh_drake.experiments.lift_trials import make_scenario
 from vh_drake.experiments.stages import VARIANTS, WHOLE, paired_interval
 
@@ -71,3 +71,29 @@ def test_closed_and_open_loop_meet_the_same_scenes(monkeypatch, tmp_path):
     summary = closed_loop.run(Options(scenes=30, out=tmp_path)).summary
     assert modes["closed_loop"] == modes["open_loop"]
     assert summary["success"] == summary["gain over open loop"] == 1.0
+
+
+def test_touches_meet_the_same_badly_calibrated_cameras(monkeypatch, tmp_path):
+    seen = {}
+
+    def outcomes(tasks, *_):
+        seen.update(tasks)
+        return [{"object": key, "lifted": "one touch" in key or "5 mm" in key} for key in tasks]
+
+    monkeypatch.setattr(stages, "run_trials", outcomes)
+    summary = hand_eye.run(Options(scenes=30, out=tmp_path)).summary
+    cameras, scenes = {}, {}
+    for key, task in seen.items():
+        scenario = make_scenario(task["scenario"])
+        variant, scene = key.split(": ")
+        assert scenario.touches == ("one" in variant)
+        scenes.setdefault(variant, []).append(scene)
+        cameras.setdefault(variant.split(", ", 1)[1], set()).add(
+            scenario.camera.calibration_shift_m
+        )
+    assert len({tuple(each) for each in scenes.values()}) == 1
+    assert list(cameras.values()) == [{0.005}, {0.01}]
+    assert summary["scenes"] == 30
+    worse, better = reversed(list(cameras))
+    assert summary[f"one touch, {worse}"] == summary[f"gain over no touch, {worse}"] == 1.0
+    assert summary[f"gain over no touch, {better}"] == 0.0

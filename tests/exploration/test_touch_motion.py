@@ -7,6 +7,7 @@ from scenery import (
     CAN,
     TABLE,
     can_scene,
+    can_view,
     right_arm,
     right_hand,
     touch_of_the_can,
@@ -28,14 +29,15 @@ from vh_drake.hand.clearance import link_clearance, obstacles
 from vh_drake.types import Surface, TouchPlan
 
 SETTINGS = TouchMotionSettings()
-CAMERA = np.array([0.21, 0.0, 1.82])
+VIEW = can_view()
+CAMERA = VIEW.p_WCamera
 BACK = touch_of_the_can(0.0)
 
 
 @pytest.fixture(scope="module")
 def motion():
     arm = right_arm()
-    return find_touch([BACK], can_scene(), right_hand(), arm, arm.home, CAMERA)
+    return find_touch([BACK], can_scene(), right_hand(), arm, arm.home, VIEW)
 
 
 def plan_towards(n):
@@ -125,7 +127,7 @@ def test_low_and_undercut_places_are_approached_level():
     arm = right_arm()
     for plan in (low, under):
         turned = [rotated(plan, heading) for heading in np.linspace(-1.5, 1.5, 7)]
-        found = find_touch(turned, can_scene(), right_hand(), arm, arm.home, CAMERA)
+        found = find_touch(turned, can_scene(), right_hand(), arm, arm.home, VIEW)
         curve = found.plan.control_points
         assert curve[3, 2] == pytest.approx(curve[0, 2], abs=1e-9)
         assert SETTINGS.least_height_m - 1e-3 < TABLE.height(found.plan.p_WT) < SETTINGS.low_m
@@ -134,16 +136,16 @@ def test_low_and_undercut_places_are_approached_level():
 def test_the_first_feasible_plan_is_taken():
     far = dc.replace(BACK, p_WT=BACK.p_WT + np.array([2.0, 0.0, 0.0]))
     arm = right_arm()
-    found = find_touch([far, BACK], can_scene(), right_hand(), arm, arm.home, CAMERA)
+    found = find_touch([far, BACK], can_scene(), right_hand(), arm, arm.home, VIEW)
     np.testing.assert_allclose(found.legs[-1].touch.p_WT, BACK.p_WT)
-    assert find_touch([far], can_scene(), right_hand(), arm, arm.home, CAMERA) is None
-    assert find_touch([], can_scene(), right_hand(), arm, arm.home, CAMERA) is None
+    assert find_touch([far], can_scene(), right_hand(), arm, arm.home, VIEW) is None
+    assert find_touch([], can_scene(), right_hand(), arm, arm.home, VIEW) is None
 
 
 def test_a_touch_inside_the_object_is_refused():
     inside = dc.replace(BACK, p_WT=CAN.copy())
     arm = right_arm()
-    assert find_touch([inside], can_scene(), right_hand(), arm, arm.home, CAMERA) is None
+    assert find_touch([inside], can_scene(), right_hand(), arm, arm.home, VIEW) is None
 
 
 def test_the_predicted_touch_lies_on_the_estimate_and_faces_away_from_the_camera(motion):
@@ -168,9 +170,24 @@ def test_the_far_side_of_a_low_thing_is_touched_by_an_upright_finger():
     n, p = np.array([1.0, 0.0, 0.0]), np.array([0.74, -0.25, 0.917])
     plan = TouchPlan(p, n, np.linspace(p + 0.1 * n, p, 4))
     hand, arm, scene = right_hand(), right_arm(), obstacles(surface, TABLE)
-    found = find_touch([plan], scene, hand, arm, arm.home, CAMERA)
+    found = find_touch([plan], scene, hand, arm, arm.home, VIEW)
     assert found is not None
     to_camera = (CAMERA - found.plan.p_WT) / np.linalg.norm(CAMERA - found.plan.p_WT)
     assert found.plan.n_WT @ to_camera < -0.3
     low_only = dc.replace(SETTINGS, low_tilts_deg=SETTINGS.low_tilts_deg[:1])
-    assert find_touch([plan], scene, hand, arm, arm.home, CAMERA, low_only) is None
+    assert find_touch([plan], scene, hand, arm, arm.home, VIEW, low_only) is None
+
+
+@pytest.mark.parametrize(("covariance", "heading"), [((0.0, 0.0), 0.0), ((0.0, 0.02), 1.2)])
+def test_where_the_camera_may_be_aside_it_is_touched_from_the_side(covariance, heading):
+    view = dc.replace(VIEW, shift_covariance=np.diag([*np.square(covariance), 0.0]))
+    plans = [touch_of_the_can(angle) for angle in (0.0, 1.2)]
+    arm = right_arm()
+    found = find_touch(plans, can_scene(), right_hand(), arm, arm.home, view)
+    assert np.arctan2(found.plan.n_WT[1], found.plan.n_WT[0]) == pytest.approx(heading, abs=0.25)
+
+
+def test_the_way_of_a_touch_ends_where_the_hand_is(motion):
+    way = motion.way(motion.legs[-1].X_WH)
+    np.testing.assert_allclose(way[0], motion.legs[-2].X_WH, atol=1e-12)
+    np.testing.assert_allclose(way[-1], motion.legs[-1].X_WH, atol=1e-12)

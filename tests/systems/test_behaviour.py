@@ -1,3 +1,4 @@
+import dataclasses as dc
 from collections import Counter
 
 import numpy as np
@@ -5,6 +6,7 @@ import pytest
 from leaf import Leaf
 from scenery import can_surface, can_view, right_arm, right_hand, touch_of_the_can
 
+from vh_drake.control.reach import rollout
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.hand.program import Leg, Progress
@@ -143,6 +145,34 @@ def test_a_felt_touch_adds_a_contact_and_asks_for_a_new_estimate(caching):
     assert leaf.get("story").phase == "estimate"
     assert leaf.get("surface_request")[0] == 2
     assert step(leaf, surface_served=2) == "plan grasps"
+
+
+def badly_seen():
+    """The can, from a camera that may be wrong by 2 cm along y."""
+    return dc.replace(can_view(), shift_covariance=np.diag([1e-6, 4e-4, 0.0]))
+
+
+def test_a_touch_moves_what_a_badly_calibrated_camera_saw():
+    leaf = touching(object_view=badly_seen(), touch_plans=(SIDE,))
+    touch = leaf.get("program").legs[-1]
+    # The finger meets the can 1 cm before the place where it was seen.
+    X_WH = touch.X_WH.copy()
+    X_WH[:3, 3] += 0.01 * SIDE.n_WT
+    arm = right_arm()
+    q = rollout(arm, arm.home, [X_WH]).q[-1]
+    leaf.fix(joint_state=np.concatenate([q, np.zeros(8)]))
+    end_touch(leaf, felt=True)
+    shift = leaf.get("view").p_WO - can_view().p_WO
+    np.testing.assert_allclose(shift, np.tile(shift[0], (len(shift), 1)), atol=1e-12)
+    assert shift[0] @ SIDE.n_WT == pytest.approx(0.01, abs=3e-3)
+    assert leaf.get("view").shift_covariance[1, 1] < 1e-4
+    np.testing.assert_array_equal(leaf.get("contacts").p_WC, FELT.p_WC)
+
+
+def test_a_touch_moves_nothing_that_a_good_camera_saw():
+    leaf = touching()
+    end_touch(leaf, felt=True)
+    np.testing.assert_array_equal(leaf.get("view").p_WO, can_view().p_WO)
 
 
 def test_a_missed_touch_adds_no_contact_and_is_not_tried_again():

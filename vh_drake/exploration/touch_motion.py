@@ -18,9 +18,10 @@ from vh_drake.geometry.signed_distance import interpolate
 from vh_drake.hand.clearance import Obstacles, link_clearance
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, path
-from vh_drake.types import Array, Immutable, TouchPlan
+from vh_drake.types import Array, Immutable, ObjectView, TouchPlan
 
 _STEP_M = 0.001
+_WAY = 8  # poses that stand for an approach
 
 
 @dc.dataclass(frozen=True)
@@ -51,6 +52,8 @@ class TouchMotionSettings:
     borne_lever_m: float = 0.01
     lever_cost_per_m: float = 6.0
     estimate_error_m: float = 0.003  # by which another finger may come first
+    # What it is worth, in the same cosine, that a touch tells of the camera's pose.
+    worth_per_m: float = 100.0
     most_compared: int = 200  # feasible touches among which the least is sought
     settle_s: float = 0.4
     least_transit_m: float = 0.24  # lowest transit height of the hand frame over the table
@@ -63,6 +66,12 @@ class TouchMotion(Immutable):
     plan: TouchPlan  # where the hand will meet the estimate; the curve is the pad's
     legs: tuple[Leg, ...]  # to the touch
     retreat: tuple[Leg, ...]  # and away from it
+
+    def way(self, X_WH: Array) -> list[Array]:
+        """Hand poses (4, 4), from where the guarded approach starts to where it ended."""
+        start = self.legs[-2].X_WH[:3, 3]
+        shares = np.linspace(1.0, 0.0, _WAY)
+        return [shifted(X_WH, share * (start - X_WH[:3, 3])) for share in shares]
 
 
 def pad_in_hand(hand: HandModel) -> tuple[Array, Array]:
@@ -144,7 +153,7 @@ def find_touch(
     hand: HandModel,
     kinematics: ArmKinematics,
     q: Array,
-    p_WCamera: Array,
+    view: ObjectView,
     settings: TouchMotionSettings | None = None,
     *,
     collisions: ArmCollisions | None = None,
@@ -157,7 +166,8 @@ def find_touch(
         hand: open.
         kinematics: of the arm.
         q: its joint positions now (8,) [rad].
-        p_WCamera: (3,) optical centre that the touched place shall face away from [m].
+        view: from whose camera the touched place shall be hidden, or, where its pose is known
+            badly, that the touched place shall tell of.
         settings: distances and postures.
         collisions: of arm and hand with robot and table, which the way must be free of.
 
@@ -166,22 +176,37 @@ def find_touch(
     """
     settings = settings or TouchMotionSettings()
     X_WH_now, best, least = kinematics.pose(q), None, np.inf
+    most_told = float(np.sqrt(np.linalg.eigvalsh(view.shift_covariance)[-1]))
+    enough = settings.most_facing_camera - settings.worth_per_m * most_told
     for count, (plan, X_WH, contact) in enumerate(_clear_touches(plans, scene, hand, settings)):
-        (p_WC, n_WC), facing = (rows[0] for rows in contact), _most_facing(contact, p_WCamera)
-        lever = abs(float(np.cross(p_WC - scene.center, plan.n_WT) @ scene.table.normal))
-        facing += settings.lever_cost_per_m * max(lever - settings.borne_lever_m, 0.0)
-        if facing >= least:
+        cost = _cost(contact, plan, scene, view, settings)
+        if cost >= least:
             continue
         pad = fingertip_frame(hand)
         motion = _motion(plan, X_WH, pad, scene, hand, X_WH_now, settings)
         search = shifted(X_WH, -settings.beyond_m * plan.n_WT)
         way = rollout(kinematics, q, [*(leg.X_WH for leg in motion.legs[:-2]), search])
         if way.reached and not (collisions and collisions.first(way.q, scene.table_height_m)):
-            predicted = dc.replace(motion.plan, p_WT=p_WC, n_WT=n_WC)
-            best, least = dc.replace(motion, plan=predicted), facing
-        if least <= settings.most_facing_camera or (best and count > settings.most_compared):
+            predicted = dc.replace(motion.plan, p_WT=contact[0][0], n_WT=contact[1][0])
+            best, least = dc.replace(motion, plan=predicted), cost
+        if least <= enough or (best and count > settings.most_compared):
             break
     return best
+
+
+def _cost(
+    contacts: tuple[Array, Array],
+    plan: TouchPlan,
+    scene: Obstacles,
+    view: ObjectView,
+    s: TouchMotionSettings,
+) -> float:
+    """Less for a hidden place, for one that tells of the camera's pose, and for a short lever."""
+    p_WC, n_WC = (rows[0] for rows in contacts)
+    told = float(np.sqrt(max(n_WC @ view.shift_covariance @ n_WC, 0.0)))
+    lever = abs(float(np.cross(p_WC - scene.center, plan.n_WT) @ scene.table.normal))
+    turning = s.lever_cost_per_m * max(lever - s.borne_lever_m, 0.0)
+    return _most_facing(contacts, view.p_WCamera) + turning - s.worth_per_m * told
 
 
 def _clear_touches(

@@ -237,4 +237,5 @@ def _workspace(scenario: Scenario) -> SegmentationSettings:
         workspace_max=high,
         expected_place=[*scenario.placement.center, height],
         seed=scenario.seed,
+        known_height_m=height,
     )

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vh_drake.errors import NothingSeen
+from vh_drake.sensing.calibration import TableError, corrected, left_covariance, table_error
 from vh_drake.sensing.cloud_filters import (
     Clusters,
     cluster,
@@ -28,6 +29,11 @@ class SegmentationSettings:
     # Where the object is expected [m]; empty: the cluster with the most points is taken.
     expected_place: list[float] = dc.field(default_factory=list)
     seed: int = 0  # of the plane search
+    # Of a level table in W; the camera's pose is corrected so that it is seen there [m].
+    known_height_m: float | None = None
+    # What noise may feign of an error of the camera's pose.
+    least_tilt_deg: float = 0.25
+    least_rise_m: float = 0.002
     table_inlier_m: float = 0.006  # distance of the table's points from its plane [m]
     min_table_share: float = 0.15  # share of the workspace's points on the table
     min_height_m: float = 0.004  # lower points are table [m] ...
@@ -62,6 +68,11 @@ def segment(
     settings = settings or SegmentationSettings()
     p_W = _in_workspace(cloud, settings)
     table, noise_m = _table(p_W, settings, table)
+    error = _table_error(table, cloud, settings)
+    if error is not None:
+        table = _known_table(settings)
+        cloud = corrected(cloud, error, table)
+        p_W = _in_workspace(cloud, settings)
     raised = p_W[table.height(p_W) > _threshold(settings, noise_m)]
     p_WO = _choose(raised, table, settings)
     _check_view(p_WO, cloud, settings)
@@ -71,7 +82,24 @@ def segment(
     p_WO = voxel_downsample(p_WO, settings.voxel_m)
     normals = local_planes(p_WO, radius_m=settings.normal_radius_m).normal
     n_WO = towards(normals, p_WO, cloud.p_WCamera)
-    return ObjectView(p_WO, n_WO, table, cloud.p_WCamera)
+    view = ObjectView(p_WO, n_WO, table, cloud.p_WCamera)
+    if error is None:
+        return view
+    left = left_covariance(error, table, cloud.p_WCamera, p_WO.mean(axis=0))
+    return dc.replace(view, shift_covariance=left)
+
+
+def _known_table(settings: SegmentationSettings) -> Plane:
+    return Plane(offset=settings.known_height_m or 0.0)
+
+
+def _table_error(table: Plane, cloud: Cloud, settings: SegmentationSettings) -> TableError | None:
+    """How the seen table differs from the known one; None where noise explains it."""
+    if settings.known_height_m is None:
+        return None
+    error = table_error(table, _known_table(settings), cloud.p_WCamera)
+    tilted = error.tilt_rad > np.deg2rad(settings.least_tilt_deg)
+    return error if tilted or abs(error.rise_m) > settings.least_rise_m else None
 
 
 def _threshold(settings: SegmentationSettings, noise_m: float) -> float:
