@@ -6,7 +6,9 @@ from vh_drake.experiments import stages_by_hand
 from vh_drake.experiments.hand_scenes import drawn_scene, hand_task, model_of
 from vh_drake.experiments.lift_trials import LiftObject
 from vh_drake.experiments.stages import WHOLE
-from vh_drake.experiments.stages_by_hand import VARIANTS, Variant, best_grasp
+from vh_drake.experiments.stages_by_hand import VARIANTS, Variant, best_grasp, fully_known
+from vh_drake.geometry.sampling import sample_surface
+from vh_drake.geometry.signed_distance import distance_to_surface, interpolate
 from vh_drake.grasping.planner_settings import PlannerSettings
 
 TASK = hand_task(LiftObject("fruit_drink"), 1)
@@ -24,6 +26,17 @@ def test_a_touch_changes_the_estimate_and_nothing_else(scenes):
     np.testing.assert_array_equal(without.view.p_WO, touched.view.p_WO)
     assert len(without.contacts) == 0
     assert len(touched.contacts) == 1
+
+
+def test_the_true_surface_is_that_of_the_mesh(scenes):
+    known = fully_known(scenes[0])
+    mesh = scenes[0].truth.mesh
+    assert distance_to_surface(mesh, known.surface.vertices).mean() < 3e-4
+    p, n = sample_surface(mesh, 500, seed=1)
+    value, gradient = interpolate(known.surface.potential, p)
+    assert np.abs(value).mean() < 3e-4
+    assert np.median(np.einsum("ij,ij->i", gradient, n)) > 0.95
+    np.testing.assert_array_equal(known.view.p_WO, scenes[0].view.p_WO)
 
 
 def test_a_variant_takes_what_its_planner_and_scorer_say(scenes):

@@ -16,21 +16,24 @@ from vh_drake.catalog import Options
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.experiments.hand_scenes import drawn_scene, lifter_of, model_of, rows_of_scenes
 from vh_drake.experiments.stages import WHOLE, gains, variant_rows
+from vh_drake.geometry.signed_distance import signed_distance_grid
+from vh_drake.gpis.meshing import closed_mesh
 from vh_drake.grasping.planner_settings import PlannerSettings
 from vh_drake.grasping.planners import plan_candidates
 from vh_drake.learning.generating import SeenScene, hand_model
 from vh_drake.reports import Report, Row
 from vh_drake.scenes.rating import Score, make_scorer
-from vh_drake.types import Array
+from vh_drake.types import Array, Surface
 
 SCENES = 150
+_PADDING_M = 0.03  # of the potential around the true surface
 
 
 @dc.dataclass(frozen=True)
 class Variant:
     """What the robot does in every scene."""
 
-    touches: int = 1
+    touches: int | None = 1  # None: the true surface is known, more than any touch tells
     scorer: str = "learned"
     planner: PlannerSettings = dc.field(default_factory=PlannerSettings)
 
@@ -38,6 +41,7 @@ class Variant:
 VARIANTS: Mapping[str, Variant] = {
     WHOLE: Variant(),
     "no touch": Variant(touches=0),
+    "true surface": Variant(touches=None),
     "rate and physical sense": Variant(scorer="conventional"),
     "rate on the estimate": Variant(scorer="rate"),
     "epsilon": Variant(scorer="epsilon"),
@@ -64,7 +68,10 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
     """One row a variant: whether the grasp that it takes for the best lifts the object."""
     own = (task["object"], task["folder"], task["mass_kg"])
     model, lifter = model_of(*own), lifter_of(*own)
-    seen = {n: drawn_scene(model, task["object"], task["seed"], n) for n in (0, 1)}
+    seen: dict[int | None, SeenScene | None] = {
+        n: drawn_scene(model, task["object"], task["seed"], n) for n in (0, 1)
+    }
+    seen[None] = None if seen[0] is None else fully_known(seen[0])
     outcomes: dict[bytes, bool] = {}
     rows = []
     for name, variant in VARIANTS.items():
@@ -79,6 +86,15 @@ def lifts_of_scene(task: Mapping[str, Any]) -> list[Row]:
         place = {key: task[key] for key in ("object", "split", "kind", "seed")}
         rows.append({"variant": name, **place, "found": grasp is not None, "lifted": lifted})
     return rows
+
+
+def fully_known(scene: SeenScene) -> SeenScene:
+    """The scene with the true surface for an estimate."""
+    old, mesh = scene.surface.potential, scene.truth.mesh
+    potential = signed_distance_grid(mesh, spacing=old.spacing, padding=_PADDING_M)
+    vertices, faces, normals = closed_mesh(potential, mesh.vertices)
+    surface = Surface(vertices, faces, normals, np.zeros(len(vertices)), potential)
+    return dc.replace(scene, surface=surface)
 
 
 def best_grasp(scene: SeenScene, variant: Variant, seed: int) -> tuple[Array, str] | None:
