@@ -78,7 +78,7 @@ def test_touches_meet_the_same_badly_calibrated_cameras(monkeypatch, tmp_path):
 
     def outcomes(tasks, *_):
         seen.update(tasks)
-        return [{"object": key, "lifted": "one touch" in key or "5 mm" in key} for key in tasks]
+        return [{"object": key, "lifted": "one touch" in key or "10 mm" in key} for key in tasks]
 
     monkeypatch.setattr(stages, "run_trials", outcomes)
     summary = hand_eye.run(Options(scenes=30, out=tmp_path)).summary
@@ -92,7 +92,7 @@ def test_touches_meet_the_same_badly_calibrated_cameras(monkeypatch, tmp_path):
             scenario.camera.calibration_shift_m
         )
     assert len({tuple(each) for each in scenes.values()}) == 1
-    assert list(cameras.values()) == [{0.005}, {0.01}]
+    assert list(cameras.values()) == [{0.01}, {0.02}]
     assert summary["scenes"] == 30
     worse, better = reversed(list(cameras))
     assert summary[f"one touch, {worse}"] == summary[f"gain over no touch, {worse}"] == 1.0

@@ -1,10 +1,11 @@
 """`reproduce hand-eye`: what a touch is worth to a robot whose camera is badly calibrated."""
 
 from vh_drake.catalog import Options
-from vh_drake.experiments.robustness import HAND_EYE
+from vh_drake.experiments.robustness import hand_eye
 from vh_drake.experiments.stages import gains, run_variants, variant_rows
 from vh_drake.reports import Report, Row
 
+ERRORS = hand_eye((0.01, 3.0), (0.02, 6.0))
 TOUCHES = {"one touch": 1, "no touch": 0}
 
 
@@ -16,13 +17,13 @@ def run(options: Options) -> Report:
     """
     variants = {
         f"{touch}, {name}": {"touches": count, "camera": error}
-        for name, error in HAND_EYE.items()
+        for name, error in ERRORS.items()
         for touch, count in TOUCHES.items()
     }
     rows, settings = run_variants(variants, options)
     summary: Row = {}
     table: list[Row] = []
-    for name in HAND_EYE:
+    for name in ERRORS:
         pair = variant_rows(rows, [f"{touch}, {name}" for touch in TOUCHES], options.seed)
         table += pair
         summary |= {f"one touch, {name}": pair[0]["success"], **gains(pair)}

@@ -18,13 +18,6 @@ from vh_drake.sensing.depth_noise import DepthNoiseSettings
 
 SCENES = 40
 BASE = "as it is"
-HAND_EYE = {
-    f"hand-eye error {1000 * m:g} mm, {deg:g} degrees": {
-        "calibration_shift_m": m,
-        "calibration_turn_deg": deg,
-    }
-    for m, deg in ((0.005, 1.5), (0.01, 3.0))
-}
 
 
 def conditions() -> dict[str, dict[str, Any]]:
@@ -34,11 +27,22 @@ def conditions() -> dict[str, dict[str, Any]]:
         **{f"friction {mu:g}": {"friction": mu} for mu in (0.4, 0.6, 1.0)},
         **{f"mass {kg:g} kg": {"mass_kg": kg} for kg in (0.1, 0.4, 0.8, 1.2)},
         **{f"camera noise x {times}": {"camera": _noisier(times)} for times in (2, 3)},
-        **{name: {"camera": error} for name, error in HAND_EYE.items()},
+        **{name: {"camera": error} for name, error in hand_eye((0.005, 1.5), (0.01, 3.0)).items()},
         **{
             f"force drift {newton:g} N": {"wrist": {"force_drift_n": newton}}
             for newton in (0.05, 0.2)
         },
+    }
+
+
+def hand_eye(*errors: tuple[float, float]) -> dict[str, dict[str, float]]:
+    """Cameras whose calibration is wrong by a shift [m] and a turn [deg], by name."""
+    return {
+        f"hand-eye error {1000 * m:g} mm, {deg:g} degrees": {
+            "calibration_shift_m": m,
+            "calibration_turn_deg": deg,
+        }
+        for m, deg in errors
     }
 
 
