@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from vh_drake.types import Array, Cloud, ObjectView, Plane
 
-SHIFT_M_RAD = 0.13  # of each axis, for each axis's turn: as 10 mm with 3 degrees
+_SHIFT_M_RAD = 0.13  # of each axis, for each axis's turn: as 10 mm with 3 degrees
 
 
 @dc.dataclass(frozen=True)
@@ -21,7 +21,7 @@ class TableError:
     """How a seen table differs from the known one."""
 
     turn: Array  # (3,) rotation vector about the camera that takes the seen normal to the known
-    rise_m: float  # of the seen table over the known one in the middle of the points, after it
+    rise_m: float  # of the seen table over the known one, after the turn
 
     @property
     def tilt_rad(self) -> float:
@@ -61,8 +61,8 @@ def left_covariance(error: TableError, known: Plane, p_WCamera: Array, p_WO: Arr
     sideways = np.cross(known.normal, p_WO - p_WCamera)  # as long as they are apart, level
     level = np.eye(3) - np.outer(known.normal, known.normal)
     turned = 0.5 * error.tilt_rad**2 * np.outer(sideways, sideways)
-    moved = 0.5 * (error.rise_m**2 + (SHIFT_M_RAD * error.tilt_rad) ** 2) * level
-    covariance: Array = turned + moved
+    shifted = 0.5 * (error.rise_m**2 + (_SHIFT_M_RAD * error.tilt_rad) ** 2) * level
+    covariance: Array = turned + shifted
     return covariance
 
 
