@@ -18,7 +18,7 @@ from vh_drake.grasping.story import GraspRecord, Story, TouchRecord
 from vh_drake.hand.clearance import obstacles
 from vh_drake.hand.model import HandModel
 from vh_drake.hand.program import Leg, MotionProgram, Progress
-from vh_drake.sensing.calibration import moved
+from vh_drake.sensing.camera_correction import moved
 from vh_drake.systems.collectable import CollectableSystem
 from vh_drake.systems.grasp_scorer import ranking
 from vh_drake.types import (

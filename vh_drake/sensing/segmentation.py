@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vh_drake.errors import NothingSeen
-from vh_drake.sensing.calibration import TableError, corrected, left_covariance, table_error
+from vh_drake.sensing.camera_correction import TableError, corrected, left_covariance, table_error
 from vh_drake.sensing.cloud_filters import (
     Clusters,
     cluster,

@@ -6,7 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from trimesh.creation import box
 
-from vh_drake.sensing.calibration import corrected, left_covariance, moved, table_error
+from vh_drake.sensing.camera_correction import corrected, left_covariance, moved, table_error
 from vh_drake.sensing.segmentation import SegmentationSettings, segment
 from vh_drake.types import Cloud, ObjectView, Plane
 
