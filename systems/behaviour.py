@@ -335,7 +335,8 @@ class Behaviour(CollectableSystem):
         record = TouchRecord(touch.plan, False, context.get_time())
         if progress.felt and len(felt):
             record = dc.replace(record, felt=True, p_WC=felt.p_WC[0], n_WC=felt.n_WC[0])
-            mind = self._shifted(context, mind)
+            before, mind = mind.shift, self._shifted(context, mind)
+            record = dc.replace(record, view_shift=mind.shift - before)
             mind = dc.replace(mind, contacts=mind.contacts.with_contact(record.p_WC, record.n_WC))
         story = dc.replace(mind.story, touches=(*mind.story.touches, record))
         mind = dc.replace(mind, story=story, touched_s=None)

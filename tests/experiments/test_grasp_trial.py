@@ -15,10 +15,11 @@ from vh_drake.experiments.grasp_trial import (
     raise_failure,
     run_trial,
 )
+from vh_drake.experiments.lift_trials import make_scenario
 from vh_drake.geometry.signed_distance import distance_to_surface
 from vh_drake.grasping import approach
 from vh_drake.scenes.placing import draw_object_pose
-from vh_drake.scenes.scenario import Placement, Scenario
+from vh_drake.scenes.scenario import POINT_STEP_S, Placement, Scenario
 
 SCENARIO = Scenario(contact="point", time_step_s=0.004, seed=0, object="fruit_drink")
 RESULT_KEYS = {
@@ -61,6 +62,7 @@ TOUCH_KEYS = {
     "faces_away_from_camera",
     "felt_error_mm",
     "felt_normal_error_deg",
+    "view_shift_m",
 }
 GRASP_KEYS = {
     "X_WH",
@@ -265,3 +267,14 @@ def test_a_grasp_that_fails_is_followed_by_another_one(monkeypatch):
     assert second["grasp"]["felt_weight_n"] == pytest.approx(9.81 * result["mass_kg"], rel=0.3)
     assert result["lifted"]
     assert not np.allclose(first["grasp"]["X_WH"], second["grasp"]["X_WH"], atol=0.01)
+
+
+@pytest.mark.slow
+def test_a_touch_corrects_a_camera_that_is_badly_calibrated():
+    camera = {"calibration_shift_m": 0.01, "calibration_turn_deg": 3.0}
+    values = {"seed": 5, "contact": "point", "time_step_s": POINT_STEP_S, "attempts": 1}
+    result = run_trial(make_scenario({**values, "camera": camera})).result
+    assert result["surface_error_before_touch_mm"] > 6.0
+    assert result["surface_error_mm"] < 0.6 * result["surface_error_before_touch_mm"]
+    assert np.linalg.norm(result["touches"][0]["view_shift_m"]) > 0.01
+    assert result["lifted"]

@@ -166,6 +166,7 @@ def test_a_touch_moves_what_a_badly_calibrated_camera_saw():
     np.testing.assert_allclose(shift, np.tile(shift[0], (len(shift), 1)), atol=1e-12)
     assert shift[0] @ SIDE.n_WT == pytest.approx(0.01, abs=3e-3)
     assert leaf.get("view").shift_covariance[1, 1] < 1e-4
+    np.testing.assert_allclose(leaf.get("story").touches[0].view_shift, shift[0], atol=1e-12)
     np.testing.assert_array_equal(leaf.get("contacts").p_WC, FELT.p_WC)
 
 

@@ -125,6 +125,7 @@ def touch_report(
         report |= {
             "felt_position_m": rounded(record.p_WC),
             "felt_normal": rounded(record.n_WC),
+            "view_shift_m": rounded(record.view_shift),
         }
     if truth is not None:
         p_OS, n_OS = nearest_surface_point(mesh, truth.p_OC)

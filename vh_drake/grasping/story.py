@@ -16,6 +16,7 @@ class TouchRecord(Immutable):
     time_s: float  # simulated time of the end of the touch
     p_WC: Array = dc.field(default_factory=lambda: np.full(3, np.nan))  # felt position [m]
     n_WC: Array = dc.field(default_factory=lambda: np.full(3, np.nan))  # felt outward normal
+    view_shift: Array = dc.field(default_factory=lambda: np.zeros(3))  # that it told of [m]
 
 
 @dc.dataclass(frozen=True, eq=False)
