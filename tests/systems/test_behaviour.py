@@ -152,16 +152,20 @@ def badly_seen():
     return dc.replace(can_view(), shift_covariance=np.diag([1e-6, 4e-4, 0.0]))
 
 
-def test_a_touch_moves_what_a_badly_calibrated_camera_saw():
-    leaf = touching(object_view=badly_seen(), touch_plans=(SIDE,))
-    touch = leaf.get("program").legs[-1]
-    # The finger meets the can 1 cm before the place where it was seen.
-    X_WH = touch.X_WH.copy()
+def touched_before(**inputs):
+    """One whose finger met the badly seen can 1 cm before the place where it was seen."""
+    leaf = touching(object_view=badly_seen(), touch_plans=(SIDE,), **inputs)
+    X_WH = leaf.get("program").legs[-1].X_WH.copy()
     X_WH[:3, 3] += 0.01 * SIDE.n_WT
     arm = right_arm()
     q = rollout(arm, arm.home, [X_WH]).q[-1]
     leaf.fix(joint_state=np.concatenate([q, np.zeros(8)]))
     end_touch(leaf, felt=True)
+    return leaf
+
+
+def test_a_touch_moves_what_a_badly_calibrated_camera_saw():
+    leaf = touched_before()
     shift = leaf.get("view").p_WO - can_view().p_WO
     np.testing.assert_allclose(shift, np.tile(shift[0], (len(shift), 1)), atol=1e-12)
     assert shift[0] @ SIDE.n_WT == pytest.approx(0.01, abs=3e-3)
@@ -352,6 +356,25 @@ def test_a_hand_that_loses_the_object_while_it_holds_does_not_wait_for_the_end(c
     for _ in range(BehaviourSettings().lost_after - 1):
         assert step(leaf, progress=holding, force=EMPTY) == "grasp"
     assert step(leaf, progress=holding, force=EMPTY) == "let go"
+
+
+def test_the_camera_s_error_is_still_known_at_the_next_look(candidates):
+    leaf = touched_before(attempts=2)
+    corrected = leaf.get("view")
+    home = np.concatenate([right_arm().home, np.zeros(8)])
+    rated = {
+        "candidates": candidates,
+        "scores": GraspScores(np.ones(len(candidates))),
+        "ranking": tuple(range(len(candidates))),
+    }
+    step(leaf, surface_served=2, joint_state=home)
+    assert step(leaf, grasp_served=1, **rated) == "grasp"
+    program = leaf.get("program").id
+    step(leaf, progress=Progress(program), force=EMPTY)
+    step(leaf, progress=Progress(program + 1))
+    assert step(leaf) == "estimate"  # It has looked again: the camera shows the can as before.
+    np.testing.assert_allclose(leaf.get("view").p_WO, corrected.p_WO, atol=1e-12)
+    np.testing.assert_array_equal(leaf.get("view").shift_covariance, corrected.shift_covariance)
 
 
 def test_a_short_jolt_is_no_loss(candidates):
