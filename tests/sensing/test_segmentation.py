@@ -11,7 +11,7 @@ from trimesh.proximity import closest_point_naive
 
 from vh_drake.errors import NothingSeen
 from vh_drake.sensing.segmentation import SegmentationSettings, segment
-from vh_drake.types import Cloud, Plane
+from vh_drake.types import Cloud
 
 sys.path.insert(0, str(Path(__file__).parent))
 from synthetic_views import TABLE_Z, camera_pose, on_table, table, view
@@ -82,14 +82,6 @@ def test_the_expected_place_decides_between_two_objects():
     assert closest_point_naive(large, segment(cloud).p_WO[::5])[1].max() < 0.01
     near = SegmentationSettings(expected_place=[0.85, -0.1, 0.95])
     assert closest_point_naive(small, segment(cloud, near).p_WO[::5])[1].max() < 0.01
-
-
-def test_a_given_table_replaces_the_search():
-    _, cloud = scene("can")
-    plane = Plane(np.array([0.0, 0.0, 1.0]), TABLE_Z)
-    seen = segment(cloud, table=plane)
-    assert seen.table is plane
-    assert len(seen.p_WO) > 500
 
 
 def test_the_same_cloud_gives_the_same_view_and_nan_points_change_nothing():

@@ -48,15 +48,12 @@ class SegmentationSettings:
     max_border_share: float = 0.01  # share of such points that means: cut off
 
 
-def segment(
-    cloud: Cloud, settings: SegmentationSettings | None = None, table: Plane | None = None
-) -> ObjectView:
+def segment(cloud: Cloud, settings: SegmentationSettings | None = None) -> ObjectView:
     """The points of the object on the table, with normals.
 
     Args:
         cloud: what the camera saw; NaN and infinite points are ignored.
         settings: the knobs.
-        table: the table's plane, where it is known; else the largest horizontal plane.
 
     Returns:
         Object points, outward normals, table plane and optical centre, in W.
@@ -66,40 +63,56 @@ def segment(
             object reaches beyond the view or the workspace.
     """
     settings = settings or SegmentationSettings()
-    p_W = _in_workspace(cloud, settings)
-    table, noise_m = _table(p_W, settings, table)
-    error = _table_error(table, cloud, settings)
-    if error is not None:
-        table = _known_table(settings)
-        cloud = corrected(cloud, error, table)
-        p_W = _in_workspace(cloud, settings)
-    raised = p_W[table.height(p_W) > _threshold(settings, noise_m)]
-    p_WO = _choose(raised, table, settings)
-    _check_view(p_WO, cloud, settings)
+    seen = _corrected(_seen(cloud, settings), settings)
+    raised = seen.p_W[seen.table.height(seen.p_W) > _threshold(settings, seen.noise_m)]
+    p_WO = _choose(raised, seen.table, settings)
+    _check_view(p_WO, seen.cloud, settings)
     p_WO = voxel_downsample(p_WO, settings.voxel_m)
-    p_WO = smooth(p_WO, local_planes(p_WO, radius_m=settings.normal_radius_m), noise_m)
+    p_WO = smooth(p_WO, local_planes(p_WO, radius_m=settings.normal_radius_m), seen.noise_m)
     # Noise spreads a surface over several layers of cells; now it fits into one.
     p_WO = voxel_downsample(p_WO, settings.voxel_m)
     normals = local_planes(p_WO, radius_m=settings.normal_radius_m).normal
-    n_WO = towards(normals, p_WO, cloud.p_WCamera)
-    view = ObjectView(p_WO, n_WO, table, cloud.p_WCamera)
-    if error is None:
+    p_WCamera = seen.cloud.p_WCamera
+    view = ObjectView(p_WO, towards(normals, p_WO, p_WCamera), seen.table, p_WCamera)
+    if seen.error is None:
         return view
-    left = left_covariance(error, table, cloud.p_WCamera, p_WO.mean(axis=0))
+    left = left_covariance(seen.error, seen.table, p_WCamera, p_WO.mean(axis=0))
     return dc.replace(view, shift_covariance=left)
 
 
-def _known_table(settings: SegmentationSettings) -> Plane:
-    return Plane(offset=settings.known_height_m or 0.0)
+@dc.dataclass(frozen=True, eq=False)
+class _Seen:
+    """A cloud and the table in it."""
+
+    cloud: Cloud
+    p_W: Array  # (n, 3) in the workspace [m]
+    table: Plane
+    noise_m: float  # standard deviation of the table's points about it
+    error: TableError | None = None  # of the camera's pose, which was corrected
 
 
-def _table_error(table: Plane, cloud: Cloud, settings: SegmentationSettings) -> TableError | None:
-    """How the seen table differs from the known one; None where noise explains it."""
+def _seen(cloud: Cloud, settings: SegmentationSettings) -> _Seen:
+    p_W = _in_workspace(cloud, settings)
+    table, noise_m = fit_table(
+        p_W,
+        np.random.default_rng(settings.seed),
+        inlier_m=settings.table_inlier_m,
+        min_share=settings.min_table_share,
+    )
+    return _Seen(cloud, p_W, table, noise_m)
+
+
+def _corrected(seen: _Seen, settings: SegmentationSettings) -> _Seen:
+    """With the table where it is known to be, unless noise explains where it is seen."""
     if settings.known_height_m is None:
-        return None
-    error = table_error(table, _known_table(settings), cloud.p_WCamera)
+        return seen
+    known = Plane(offset=settings.known_height_m)
+    error = table_error(seen.table, known, seen.cloud.p_WCamera)
     tilted = error.tilt_rad > np.deg2rad(settings.least_tilt_deg)
-    return error if tilted or abs(error.rise_m) > settings.least_rise_m else None
+    if not tilted and abs(error.rise_m) <= settings.least_rise_m:
+        return seen
+    cloud = corrected(seen.cloud, error, known)
+    return _Seen(cloud, _in_workspace(cloud, settings), known, seen.noise_m, error)
 
 
 def _threshold(settings: SegmentationSettings, noise_m: float) -> float:
@@ -119,20 +132,6 @@ def _in_workspace(cloud: Cloud, settings: SegmentationSettings) -> Array:
             "table, check its pose and units, or widen the workspace"
         )
     return p_W
-
-
-def _table(p_W: Array, settings: SegmentationSettings, table: Plane | None) -> tuple[Plane, float]:
-    """The plane and the standard deviation [m] of the points about it."""
-    if table is not None:
-        near = np.abs(table.height(p_W))
-        near = near[near < settings.table_inlier_m]
-        return table, float(1.4826 * np.median(near)) if len(near) else 0.0
-    return fit_table(
-        p_W,
-        np.random.default_rng(settings.seed),
-        inlier_m=settings.table_inlier_m,
-        min_share=settings.min_table_share,
-    )
 
 
 def _choose(raised: Array, table: Plane, settings: SegmentationSettings) -> Array:

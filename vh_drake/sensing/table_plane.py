@@ -51,8 +51,7 @@ def fit_table(
 def _no_table(points: int, share: float, min_share: float) -> str:
     return (
         f"no table: the largest horizontal plane holds {100 * share:.0f} % of {points} points, "
-        f"{100 * min_share:.0f} % are needed; show the camera more of the table, or give the "
-        "plane yourself"
+        f"{100 * min_share:.0f} % are needed; show the camera more of the table"
     )
 
 
