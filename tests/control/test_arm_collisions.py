@@ -1,7 +1,10 @@
+import gc
+
 import numpy as np
 import pytest
 from scenery import right_arm, right_hand
 
+from vh_drake.benches.soak import resident_mb
 from vh_drake.control.arm_collisions import ArmCollisions, TableTop
 from vh_drake.control.reach import rollout, solve_ik
 
@@ -76,3 +79,15 @@ def test_two_questions_do_not_touch_each_other(collisions):
     first = collisions.first(q, TABLE_M)
     collisions.first(ARM.home[None], 0.2)
     assert collisions.first(q, TABLE_M) == first
+
+
+def test_many_that_are_dropped_leave_no_memory_behind():
+    def build(count):
+        for _ in range(count):
+            ArmCollisions(ARM, HAND.description.model, HAND.description.base)
+            gc.collect()
+
+    build(4)
+    before = resident_mb()
+    build(20)
+    assert resident_mb() - before < 6.0

@@ -8,9 +8,10 @@ from pydrake.geometry import Box, CollisionFilterDeclaration, GeometrySet
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
-    AddMultibodyPlantSceneGraph,
+    AddMultibodyPlant,
     CoulombFriction,
     MultibodyPlant,
+    MultibodyPlantConfig,
 )
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
@@ -70,7 +71,9 @@ class ArmCollisions:
     ) -> None:
         self._kinematics = kinematics
         builder = DiagramBuilder()
-        self._plant, self._scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+        # Of what AddMultibodyPlantSceneGraph makes, Drake 1.51 never frees a part.
+        config = MultibodyPlantConfig(time_step=0.0)
+        self._plant, self._scene_graph = AddMultibodyPlant(config, builder)
         _add_robot(self._plant, kinematics, str(hand_model), hand_base)
         _add_table(self._plant, table or TableTop())
         self._plant.Finalize()

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.geometry import SceneGraphInspector
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import (
     BodyIndex,
     ForceElementIndex,
@@ -196,7 +196,7 @@ def _parse(
     description: HandDescription,
 ) -> tuple[MultibodyPlant, SceneGraphInspector, Context]:
     builder = DiagramBuilder()
-    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.001)
+    plant, scene_graph = AddMultibodyPlant(MultibodyPlantConfig(), builder)
     try:
         Parser(plant).AddModels(Path(description.model))
         plant.Finalize()
