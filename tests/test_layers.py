@@ -15,6 +15,7 @@ LAYERS = (
         "errors",
         "yaml_files",
         "atomic_files",
+        "machine_code",
         "result_files",
         "reports",
         "journal",
@@ -32,7 +33,7 @@ LAYERS = (
     ("cli",),
 )
 RANK = {name: rank for rank, row in enumerate(LAYERS) for name in row}
-OUTSIDE = ("__init__", "__main__", "models")  # They import nothing, or the command line alone.
+OUTSIDE = ("__init__", "__main__", "models")  # They import one module each, or nothing.
 
 FORBIDDEN_MODULES = ("pydrake.all", "systems", "pickle", "cPickle", "dill", "shelve", "marshal")
 FORBIDDEN_CALLS = ("yaml.load", "yaml.unsafe_load", "torch.load", "StartMeshcat")
