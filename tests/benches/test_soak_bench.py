@@ -81,8 +81,8 @@ def test_a_trial_that_crashes_is_counted_and_the_others_go_on(monkeypatch, tmp_p
 def test_whole_trials_in_a_row_leave_nothing_behind_and_repeat(tmp_path, monkeypatch):
     monkeypatch.setattr(soak, "library_names", lambda: ["fruit_drink"])
     monkeypatch.setattr(soak, "REPEATED", 1)
-    summary = run(Options(runs=2, workers=1, out=tmp_path)).summary
+    summary = run(Options(runs=3, workers=1, out=tmp_path)).summary
     assert summary["crashes"] == 0
     assert summary["trials_with_non_finite_values"] == 0
-    assert summary["memory_growth_mb"] < 30.0  # A diagram that stays takes 63 MB.
+    assert summary["memory_growth_mb"] < 80.0  # Two diagrams that stay take 126 MB.
     assert summary["same_again"]
