@@ -5,10 +5,11 @@ still the same. What the function calls, or reads as a constant, in other module
 changed kernel would go on as it was in all that call it.
 """
 
+import functools
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from vh_drake.atomic_files import write_bytes
@@ -56,7 +57,7 @@ def _digests(package: Path) -> dict[str, str]:
         for folder in [package, *sorted(p for p in package.iterdir() if p.is_dir())]
         for path in sorted(folder.glob("*.py"))
     }
-    imports = {name: _imports(text, texts) for name, text in texts.items()}
+    imports = functools.cache(lambda name: _imports(texts[name], texts))
     digests = {}
     for name in (name for name, text in texts.items() if "njit" in text):
         whole = "".join(texts[part] for part in sorted(_closure(name, imports)))
@@ -74,11 +75,11 @@ def _imports(text: str, texts: Mapping[str, str]) -> set[str]:
     return found
 
 
-def _closure(name: str, imports: Mapping[str, set[str]]) -> set[str]:
+def _closure(name: str, imports: Callable[[str], set[str]]) -> set[str]:
     """A module and all that it imports, at first or second hand and so on."""
     seen, waiting = {name}, [name]
     while waiting:
-        new = imports[waiting.pop()] - seen
+        new = imports(waiting.pop()) - seen
         seen |= new
         waiting += new
     return seen
