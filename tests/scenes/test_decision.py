@@ -51,23 +51,6 @@ def test_ports_are_those_of_the_documentation(decision):
     assert sorted(documented) == sorted(found)
 
 
-@pytest.mark.parametrize(
-    ("contact", "step_s", "period_s"),
-    [
-        ("hydroelastic", 0.002, 0.002),
-        ("hydroelastic", 0.003, 0.003),
-        ("point", 0.0025, 0.005),
-        ("point", 0.002, 0.004),
-        ("point", 0.008, 0.008),
-    ],
-)
-def test_the_wrist_is_read_after_whole_steps_of_the_plant(contact, step_s, period_s):
-    decision = make_decision(Scenario(contact=contact, time_step_s=step_s))
-    estimator = decision.GetSubsystemByName("contact_estimator")
-    timing = estimator.GetUniquePeriodicDiscreteUpdateAttribute()
-    assert timing.period_sec() == pytest.approx(period_s, abs=1e-12)
-
-
 def test_the_touching_finger_s_pad_comes_first():
     hand = read_hand_model(load_hand(default_hand()))
     skin = touching_skin(hand)

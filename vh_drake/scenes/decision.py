@@ -33,8 +33,6 @@ from vh_drake.systems.trajectory_follower import TrajectoryFollower
 from vh_drake.systems.velocity_selector import VelocitySelector
 
 TOUCH_SPEED_M_S = 0.03
-# Point contact is for many trials, and a reading takes as long as half a step of its simulation.
-WRIST_PERIOD_S = {"hydroelastic": 0.002, "point": 0.005}
 
 
 class Decision(Diagram, metaclass=Collectable):
@@ -196,18 +194,10 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "contact_estimator": FtContactEstimator(
             touching_skin(hand),
             HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H),
-            FtContactSettings(period_s=_wrist_period_s(scenario)),
+            # Velocities that stand still between two samples would tell wrong accelerations.
+            FtContactSettings(period_s=max(FtContactSettings.period_s, scenario.time_step_s)),
         ),
     }
-
-
-def _wrist_period_s(scenario: Scenario) -> float:
-    """Between readings of the wrist sensor: whole steps of the plant.
-
-    Velocities that stand still between two readings would tell wrong accelerations.
-    """
-    steps = int(WRIST_PERIOD_S[scenario.contact] / scenario.time_step_s + 1e-9)
-    return max(steps, 1) * scenario.time_step_s
 
 
 def _collisions(scenario: Scenario, hand: HandModel, kinematics: ArmKinematics) -> ArmCollisions:

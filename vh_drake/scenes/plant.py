@@ -92,8 +92,6 @@ def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -
         time_step=scenario.time_step_s,
         contact_model="hydroelastic_with_fallback" if contact == "hydroelastic" else contact,
         discrete_contact_approximation="lagged",
-        # Sampled outputs copy the state of the whole diagram in each step.
-        use_sampled_output_ports=contact == "hydroelastic",
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
     robot = _add_robot(plant, left_hand=scenario.left_hand)

@@ -12,7 +12,6 @@ unfiltered force, far above its noise and what the arm's motion leaves of it, co
 """
 
 import dataclasses as dc
-import math
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -40,21 +39,17 @@ class FtContactSettings:
     threshold_n: float = 0.10  # ΔF of eq. 4.8 [N]
     fast_threshold_n: float = 0.5  # ΔF while the hand moves fast [N]
     fast_speed_m_s: float = 0.08  # [m/s]
-    # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms [s].
-    hold_s: float = 0.008
+    # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms.
+    hold_samples: int = 5
     # So does the force before the low-pass, which moving arms leave below 0.3 N for as long [N].
     jump_n: float = 0.8
-    jump_s: float = 0.004
-    # Place and normal are read anew for so long after that, while the hand pushes the object [s].
-    settle_s: float = 0.1
+    jump_samples: int = 3
+    # Place and normal are read anew for so long after that, while the hand pushes the object.
+    settle_samples: int = 50
     force_std_n: float = 0.02  # of one sample, per axis [N]
     torque_std_nm: float = 0.0005  # [N m]
     prior_std_m: float = 0.02  # of the contact about the expected place [m]
     friction: float = 0.8  # the most by which a force may lean from the normal
-
-    def samples(self, duration_s: float) -> int:
-        """How many in a row cover a duration from the first to the last."""
-        return 1 + math.ceil(duration_s / self.period_s - 1e-9)
 
 
 class FtSample(NamedTuple):
@@ -214,7 +209,7 @@ class FtContactModel:
         earlier = state.readings if state.exceeded > 1 else Readings()
         readings = earlier.with_wrench(state.wrench_H - state.offset_H)
         state = dc.replace(state, readings=readings)
-        if state.exceeded < self._knobs.hold_samples:
+        if state.exceeded < self.settings.hold_samples:
             return state
         return dc.replace(state, contact=self._contact(state, sample))
 
@@ -235,15 +230,14 @@ class FtContactModel:
 
 
 def _knobs(settings: FtContactSettings, low_pass: LowPass, mass: float) -> _Knobs:
-    hold = settings.samples(settings.hold_s)
     return _Knobs(
         period_s=float(settings.period_s),
         thresholds_n=(float(settings.threshold_n), float(settings.fast_threshold_n)),
         fast_m_s=float(settings.fast_speed_m_s),
         jump_n=float(settings.jump_n),
-        jump_samples=settings.samples(settings.jump_s),
-        hold_samples=hold,
-        settled=hold + settings.samples(settings.settle_s) - 1,
+        jump_samples=settings.jump_samples,
+        hold_samples=settings.hold_samples,
+        settled=settings.hold_samples + settings.settle_samples,
         b=low_pass.b,
         a=low_pass.a,
         mass=float(mass),
