@@ -51,6 +51,14 @@ def test_ports_are_those_of_the_documentation(decision):
     assert sorted(documented) == sorted(found)
 
 
+@pytest.mark.parametrize("contact", ["hydroelastic", "point"])
+@pytest.mark.parametrize("step_s", [0.0005, 0.0025])
+def test_the_wrist_is_read_after_every_step_of_the_plant(contact, step_s):
+    decision = make_decision(Scenario(contact=contact, time_step_s=step_s))
+    estimator = decision.GetSubsystemByName("contact_estimator")
+    assert estimator.GetUniquePeriodicDiscreteUpdateAttribute().period_sec() == step_s
+
+
 def test_the_touching_finger_s_pad_comes_first():
     hand = read_hand_model(load_hand(default_hand()))
     skin = touching_skin(hand)

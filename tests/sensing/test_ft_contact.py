@@ -11,6 +11,7 @@ SKIN = capsule_skin(np.array([0.03, -0.01, 0.105]), np.array([0.03, -0.01, 0.134
 R_WH = RotationMatrix.MakeYRotation(2.0).matrix()
 APPROACH = np.array([0.0, 0.0, -1.0])
 DT = 0.002
+PERIODS_S = [0.001, DT, 0.0025]
 
 
 def sample(t, *, seed=0, external=None, velocity=None, acceleration=None, R=R_WH, tare=1.0):
@@ -26,9 +27,9 @@ def sample(t, *, seed=0, external=None, velocity=None, acceleration=None, R=R_WH
 
 def tared(model, seed):
     """After 0.2 s without a tare and one tare."""
-    state = FtState()
-    for i in range(100):
-        state = model.step(state, sample(DT * i, seed=seed, tare=0.0))
+    state, dt = FtState(), model.settings.period_s
+    for i in range(round(0.2 / dt)):
+        state = model.step(state, sample(dt * i, seed=seed, tare=0.0))
     return model.step(state, sample(0.2, seed=seed))
 
 
@@ -39,32 +40,43 @@ def push(point, force_W):
 
 def touch(model, seed, force_n, point):
     """Seconds from contact to detection, and the state, for an object that slides at force_n."""
-    state = tared(model, seed)
-    for i in range(500):
-        ramp = force_n * min(1.0, i * DT / 0.03)
+    state, dt = tared(model, seed), model.settings.period_s
+    for i in range(round(1.0 / dt)):
+        ramp = force_n * min(1.0, i * dt / 0.03)
         external = push(point, -ramp * APPROACH)
-        state = model.step(state, sample(0.202 + DT * i, seed=seed, external=external))
+        state = model.step(state, sample(0.2 + dt * (i + 1), seed=seed, external=external))
         if len(state.contact):
-            return DT * i, state
+            return dt * i, state
     return np.inf, state
 
 
-def test_no_false_alarm_within_ten_seconds_of_steady_approach():
-    model = FtContactModel(SKIN)
+@pytest.mark.parametrize("dt", PERIODS_S)
+def test_no_false_alarm_within_ten_seconds_of_steady_approach(dt):
+    model = FtContactModel(SKIN, settings=FtContactSettings(period_s=dt))
     for seed in range(3):
         state, largest = tared(model, seed), 0.0
-        for i in range(5000):
-            state = model.step(state, sample(0.202 + DT * i, seed=seed))
+        for i in range(round(10.0 / dt)):
+            state = model.step(state, sample(0.2 + dt * (i + 1), seed=seed))
             largest = max(largest, float(np.linalg.norm(state.force_W)))
         assert len(state.contact) == 0
         assert largest < 0.06
 
 
-@pytest.mark.parametrize(("force_n", "delay_s"), [(0.12, 0.09), (0.15, 0.06), (0.4, 0.04)])
-def test_light_objects_are_felt_before_they_slide_far(force_n, delay_s):
-    model = FtContactModel(SKIN)
+@pytest.mark.parametrize("dt", PERIODS_S)
+@pytest.mark.parametrize(("force_n", "delay_s"), [(0.12, 0.09), (0.15, 0.07), (0.4, 0.042)])
+def test_light_objects_are_felt_before_they_slide_far(force_n, delay_s, dt):
+    model = FtContactModel(SKIN, settings=FtContactSettings(period_s=dt))
     delays = [touch(model, seed, force_n, SKIN.p_H[40])[0] for seed in range(12)]
     assert np.max(delays) < delay_s
+
+
+@pytest.mark.parametrize(
+    ("period_s", "hold"), [(0.0005, 17), (0.001, 9), (0.002, 5), (0.0025, 5), (0.004, 5)]
+)
+def test_what_has_to_last_lasts_as_long_where_samples_are_denser(period_s, hold):
+    settings = FtContactSettings(period_s=period_s)
+    assert settings.lasting(settings.hold_samples) == hold
+    assert settings.lasting(1) == 1
 
 
 def test_place_and_normal_of_a_touch_are_found():

@@ -12,6 +12,7 @@ unfiltered force, far above its noise and what the arm's motion leaves of it, co
 """
 
 import dataclasses as dc
+import math
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -29,6 +30,8 @@ from vh_drake.sensing.hand_load import HandInertia, load_of
 from vh_drake.sensing.low_pass import LowPass, filtered, settle
 from vh_drake.types import Array, ContactSet
 
+_COUNTED_S = 0.002
+
 
 @dc.dataclass
 class FtContactSettings:
@@ -40,6 +43,7 @@ class FtContactSettings:
     fast_threshold_n: float = 0.5  # ΔF while the hand moves fast [N]
     fast_speed_m_s: float = 0.08  # [m/s]
     # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms.
+    # Counts of samples are those of a period of 2 ms, and more where that is shorter.
     hold_samples: int = 5
     # So does the force before the low-pass, which moving arms leave below 0.3 N for as long [N].
     jump_n: float = 0.8
@@ -50,6 +54,10 @@ class FtContactSettings:
     torque_std_nm: float = 0.0005  # [N m]
     prior_std_m: float = 0.02  # of the contact about the expected place [m]
     friction: float = 0.8  # the most by which a force may lean from the normal
+
+    def lasting(self, samples: int) -> int:
+        """How many samples last as long as these do at a period of 2 ms, and no fewer."""
+        return max(samples, 1 + math.ceil((samples - 1) * _COUNTED_S / self.period_s - 1e-9))
 
 
 class FtSample(NamedTuple):
@@ -209,7 +217,7 @@ class FtContactModel:
         earlier = state.readings if state.exceeded > 1 else Readings()
         readings = earlier.with_wrench(state.wrench_H - state.offset_H)
         state = dc.replace(state, readings=readings)
-        if state.exceeded < self.settings.hold_samples:
+        if state.exceeded < self._knobs.hold_samples:
             return state
         return dc.replace(state, contact=self._contact(state, sample))
 
@@ -230,14 +238,15 @@ class FtContactModel:
 
 
 def _knobs(settings: FtContactSettings, low_pass: LowPass, mass: float) -> _Knobs:
+    hold = settings.lasting(settings.hold_samples)
     return _Knobs(
         period_s=float(settings.period_s),
         thresholds_n=(float(settings.threshold_n), float(settings.fast_threshold_n)),
         fast_m_s=float(settings.fast_speed_m_s),
         jump_n=float(settings.jump_n),
-        jump_samples=settings.jump_samples,
-        hold_samples=settings.hold_samples,
-        settled=settings.hold_samples + settings.settle_samples,
+        jump_samples=settings.lasting(settings.jump_samples),
+        hold_samples=hold,
+        settled=hold + settings.lasting(settings.settle_samples),
         b=low_pass.b,
         a=low_pass.a,
         mass=float(mass),
