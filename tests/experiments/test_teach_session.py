@@ -208,7 +208,9 @@ class Command:
         self.process.wait()
 
     def lines(self):
-        return self._log.read_text().splitlines()
+        """All but Drake's own warnings, which come at any time."""
+        lines = self._log.read_text().splitlines()
+        return [line for line in lines if not line.startswith("WARNING:drake")]
 
     def wait_for(self, condition, limit_s=LIMIT_S):
         """The lines, once they meet a condition."""
