@@ -62,9 +62,18 @@ def test_no_false_alarm_within_ten_seconds_of_steady_approach(dt):
         assert largest < 0.06
 
 
-@pytest.mark.parametrize("dt", PERIODS_S)
-@pytest.mark.parametrize(("force_n", "delay_s"), [(0.12, 0.09), (0.15, 0.07), (0.4, 0.042)])
-def test_light_objects_are_felt_before_they_slide_far(force_n, delay_s, dt):
+@pytest.mark.parametrize(
+    ("dt", "force_n", "delay_s"),
+    [
+        *(
+            (dt, *light)
+            for dt in (0.001, DT)
+            for light in ((0.12, 0.09), (0.15, 0.06), (0.4, 0.04))
+        ),
+        *((0.0025, *light) for light in ((0.12, 0.09), (0.15, 0.065), (0.4, 0.0425))),
+    ],
+)
+def test_light_objects_are_felt_before_they_slide_far(dt, force_n, delay_s):
     model = FtContactModel(SKIN, settings=FtContactSettings(period_s=dt))
     delays = [touch(model, seed, force_n, SKIN.p_H[40])[0] for seed in range(12)]
     assert np.max(delays) < delay_s

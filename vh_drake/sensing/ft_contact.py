@@ -30,14 +30,14 @@ from vh_drake.sensing.hand_load import HandInertia, load_of
 from vh_drake.sensing.low_pass import LowPass, filtered, settle
 from vh_drake.types import Array, ContactSet
 
-_COUNTED_S = 0.002
+_COUNTED_S = 0.002  # period for which the settings count samples
 
 
 @dc.dataclass
 class FtContactSettings:
     """Knobs of the contact estimation."""
 
-    period_s: float = 0.002  # of the samples [s]
+    period_s: float = _COUNTED_S  # of the samples [s]
     cutoff_hz: float = 10.0  # of the low-pass [Hz]
     threshold_n: float = 0.10  # ΔF of eq. 4.8 [N]
     fast_threshold_n: float = 0.5  # ΔF while the hand moves fast [N]
