@@ -29,6 +29,7 @@ class FtContactEstimator(CollectableSystem):
         - wrist_wrench
         - hand_pose
         - hand_velocity
+        - hand_acceleration
         - tare
         - approach_direction
         output_ports:
@@ -40,7 +41,8 @@ class FtContactEstimator(CollectableSystem):
     |--------------------|-----------|----------------|------------|-------------------------------|
     | wrist_wrench       | in        | vector (6)     | N m, N     | [torque; force] about Ho in H |
     | hand_pose          | in        | RigidTransform | m          | X_WH                          |
-    | hand_velocity      | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, in W        |
+    | hand_velocity      | in        | vector (6)     | rad/s, m/s | [w; v] of H in W              |
+    | hand_acceleration  | in        | vector (6)     | *          | its rate, rad/s², m/s²        |
     | tare               | in        | vector (1)     | -          | id; a change latches F_0      |
     | approach_direction | in        | vector (3)     | -          | of motion, in W; 0 if unknown |
     | contact            | out       | vector (1)     | -          | 1: touched since the tare     |
@@ -48,7 +50,9 @@ class FtContactEstimator(CollectableSystem):
     | force              | out       | vector (3)     | N          | F - F_0 on the hand, in W     |
 
     The wrench is the load that the hand puts on the arm: at rest its weight (`WristSensor`).
-    Nothing touches before `tare` has changed from 0. The outputs change with the samples only.
+    What the hand's motion adds is taken off, so that wrench and acceleration must be of the same
+    instant, or a hand that speeds up feels touches. Nothing touches before `tare` has changed
+    from 0. The outputs change with the samples only.
 
     Args:
         skin: where the hand may touch, in the posture of the touch.
@@ -67,6 +71,7 @@ class FtContactEstimator(CollectableSystem):
         self._wrench = self.DeclareVectorInputPort("wrist_wrench", 6)
         self._pose = self.DeclareAbstractInputPort("hand_pose", Value(RigidTransform()))
         self._velocity = self.DeclareVectorInputPort("hand_velocity", 6)
+        self._acceleration = self.DeclareVectorInputPort("hand_acceleration", 6)
         self._tare = self.DeclareVectorInputPort("tare", 1)
         self._approach = self.DeclareVectorInputPort("approach_direction", 3)
         # Numbers, not an abstract state: at this rate an unrestricted update, which copies
@@ -90,6 +95,7 @@ class FtContactEstimator(CollectableSystem):
             R_WH=X_WH.rotation().matrix(),
             p_WH=X_WH.translation(),
             velocity_W=self._velocity.Eval(context),
+            acceleration_W=self._acceleration.Eval(context),
             approach_W=self._approach.Eval(context),
             tare=float(self._tare.Eval(context)[0]),
         )

@@ -10,7 +10,7 @@ from vh_drake.objects.loading import load_object
 from vh_drake.scenes.placing import draw_object_pose, place_object
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.scenes.station import Station, make_station
-from vh_drake.sensing.hand_load import GRAVITY_W
+from vh_drake.sensing.hand_load import GRAVITY_W, HandInertia, HandMotion, own_load
 from vh_drake.sensing.wrist_noise import WristNoiseSettings
 
 SCENARIO = Scenario(object="fruit_drink", contact="point")
@@ -25,6 +25,7 @@ OUTPUTS = {
     "joint_state": 16,
     "hand_pose": ABSTRACT,
     "hand_velocity": 6,
+    "hand_acceleration": 6,
     "wrist_wrench": 6,
     "motor_fraction": 2,
     "tendon_force": 5,
@@ -112,6 +113,28 @@ def test_at_rest_the_wrist_feels_the_hand_s_weight(rest):
     wrench = rig.get("wrist_wrench")
     np.testing.assert_allclose(wrench[3:], expected[3:], atol=0.02)
     np.testing.assert_allclose(wrench[:3], expected[:3], atol=0.002)
+
+
+@pytest.mark.parametrize("step_s", [0.001, 0.0025])
+def test_the_wrist_s_load_and_the_hand_s_acceleration_are_of_one_step(step_s):
+    quiet = WristNoiseSettings(0.0, 0.0, 0.0, 0.0)
+    rig = Rig(dc.replace(SCENARIO, time_step_s=step_s, wrist=quiet))
+    hand = rig.station.hand
+    inertia = HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H)
+    rig.advance(0.2)
+    fastest = 0.0
+    for i in range(1, 41):
+        if i % 10 == 1:
+            rig.command(np.array([0.0, 0.0, 0.0, 0.0, 0.2 * (i % 20 == 1), 0.0]), np.zeros(2))
+        rig.advance(0.005)
+        acceleration = rig.get("hand_acceleration")
+        R_WH = rig.get("hand_pose").rotation().matrix()
+        w_WH = rig.get("hand_velocity")[:3]
+        motion = HandMotion(R_WH, w_WH, acceleration[:3], acceleration[3:])
+        outside = rig.get("wrist_wrench") - own_load(inertia, motion)
+        fastest = max(fastest, float(np.linalg.norm(acceleration[3:])))
+        assert np.linalg.norm(outside[3:]) < 0.1
+    assert fastest > 1.0
 
 
 def test_a_commanded_velocity_moves_the_hand_so():

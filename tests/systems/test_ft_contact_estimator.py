@@ -19,7 +19,8 @@ PUSH = np.concatenate([np.cross(P_PAD, FORCE_H), FORCE_H])
 def fix(system, context, *, push=0.0, tare=0.0):
     system.GetInputPort("wrist_wrench").FixValue(context, REST + push * PUSH)
     system.GetInputPort("hand_pose").FixValue(context, Value(X_WH))
-    system.GetInputPort("hand_velocity").FixValue(context, np.zeros(6))
+    for name in ("hand_velocity", "hand_acceleration"):
+        system.GetInputPort(name).FixValue(context, np.zeros(6))
     system.GetInputPort("tare").FixValue(context, [tare])
     system.GetInputPort("approach_direction").FixValue(context, R_WH @ -FORCE_H)
 

@@ -26,6 +26,20 @@ def test_the_hand_s_velocity_is_that_of_its_poses(caching):
     np.testing.assert_allclose(velocity[:3], spin.angle() * spin.axis() / (2 * dt), atol=1e-5)
 
 
+@pytest.mark.parametrize("caching", [True, False])
+def test_the_hand_s_acceleration_is_that_of_its_velocities(caching):
+    dt, A = 1e-6, RNG.uniform(-3, 3, 8)
+    states = [np.concatenate([Q + t * V, V + t * A]) for t in (-dt, dt)]
+    before, after = (
+        Leaf(HandState(KINEMATICS), joint_state=x).get("hand_velocity") for x in states
+    )
+    leaf = hand(Q, caching=caching)
+    leaf.fix(joint_acceleration=A)
+    np.testing.assert_allclose(
+        leaf.get("hand_acceleration"), (after - before) / (2 * dt), rtol=1e-6, atol=1e-6
+    )
+
+
 def test_a_context_follows_its_own_joints():
     leaf = hand(Q)
     here = leaf.get("hand_pose").GetAsMatrix4()

@@ -80,6 +80,36 @@ def forward(axes: Array, points: Array, X_WH0: Array, q: Array) -> tuple[Array, 
 
 
 @njit(cache=True)
+def spatial_acceleration(
+    axes: Array, points: Array, X_WH0: Array, q: Array, velocity: Array, acceleration: Array
+) -> Array:
+    """Rates (6,) of the hand's angular and linear velocity in W, of its origin.
+
+    Velocities (n,) [rad/s] and accelerations (n,) [rad/s^2] are the joints'; the rest as in
+    `forward`. From joint to joint outward: Lynch and Park 2017, section 8.3.
+    """
+    n = len(q)
+    motions = np.empty((n + 1, 3, 4))
+    carry(axes, points, q, motions)
+    w, alpha, a = np.zeros(3), np.zeros(3), np.zeros(3)  # of the link that the joint sits on
+    axis, at, before = np.empty(3), np.zeros(3), np.zeros(3)
+    for i in range(n + 1):
+        for k in range(3):
+            before[k] = at[k]
+            if i < n:
+                axis[k] = moved(motions[i], axes[i], 0.0, k)
+                at[k] = moved(motions[i], points[i], 1.0, k)
+            else:
+                at[k] = moved(motions[n], X_WH0[:3, 3], X_WH0[3, 3], k)
+        lever = at - before
+        a += cross(alpha, lever) + cross(w, cross(w, lever))
+        if i < n:
+            alpha += acceleration[i] * axis + velocity[i] * cross(w, axis)
+            w += velocity[i] * axis
+    return np.concatenate((alpha, a))
+
+
+@njit(cache=True)
 def holding_torques(
     axes: Array, points: Array, masses: Array, centers: Array, gravity: Array, q: Array
 ) -> Array:

@@ -115,6 +115,18 @@ class ArmKinematics:
         X_WH, J = kernels.forward(*self.screws, np.ascontiguousarray(q, dtype=float))
         return X_WH, J
 
+    def acceleration(self, q: Array, velocity: Array, acceleration: Array) -> Array:
+        """Rates (6,) [rad/s^2, m/s^2] of the hand's angular, then linear velocity in W.
+
+        Args:
+            q: joint positions (8,) [rad].
+            velocity: of the joints (8,) [rad/s].
+            acceleration: of the joints (8,) [rad/s^2].
+        """
+        joints = (np.ascontiguousarray(x, dtype=float) for x in (q, velocity, acceleration))
+        rates: Array = kernels.spatial_acceleration(*self.screws, *joints)
+        return rates
+
     def gravity_torques(self, q: Array) -> Array:
         """Joint torques (8,) [N m] that hold arm, hand and payload still at q (8,)."""
         q = np.ascontiguousarray(q, dtype=float)

@@ -33,30 +33,32 @@ from vh_drake.systems.trajectory_follower import TrajectoryFollower
 from vh_drake.systems.velocity_selector import VelocitySelector
 
 TOUCH_SPEED_M_S = 0.03
+_WRIST_PERIOD_S = 0.005
 
 
 class Decision(Diagram, metaclass=Collectable):
     """From sensors to commands.
 
-    | port             | direction | type           | unit       | meaning                         |
-    |------------------|-----------|----------------|------------|---------------------------------|
-    | cloud            | in        | Cloud          | m          | what the head camera sees       |
-    | wrist_wrench     | in        | vector (6)     | N m, N     | [torque; force] about Ho in H   |
-    | hand_pose        | in        | RigidTransform | m          | X_WH, measured                  |
-    | hand_velocity    | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, measured      |
-    | commanded_pose   | in        | RigidTransform | m          | X_WH, commanded                 |
-    | commanded_state  | in        | vector (16)    | rad, rad/s | of the arm's servos             |
-    | motor_fraction   | in        | vector (k)     | -          | measured travel of the motors   |
-    | spatial_velocity | out       | vector (6)     | rad/s, m/s | wanted [w; v] of H in W         |
-    | motor_command    | out       | vector (k)     | -          | wanted travel of the motors     |
-    | story            | out       | Story          | -          | what happened so far            |
-    | phase            | out       | str            | -          | for people                      |
-    | view             | out       | ObjectView     | m          | the look                        |
-    | contacts         | out       | ContactSet     | m          | felt so far                     |
-    | surface          | out       | Surface        | m          | estimate                        |
-    | touch_plan       | out       | TouchPlan      | m          | the touch under way             |
-    | candidates       | out       | Candidates     | m          | grasps                          |
-    | scores           | out       | GraspScores    | -          | their ratings                   |
+    | port              | direction | type           | unit       | meaning                       |
+    |-------------------|-----------|----------------|------------|-------------------------------|
+    | cloud             | in        | Cloud          | m          | what the head camera sees     |
+    | wrist_wrench      | in        | vector (6)     | N m, N     | [torque; force] about Ho in H |
+    | hand_pose         | in        | RigidTransform | m          | X_WH, measured                |
+    | hand_velocity     | in        | vector (6)     | rad/s, m/s | [w; v] of H in W, measured    |
+    | hand_acceleration | in        | vector (6)     | *          | its rate, rad/s², m/s²        |
+    | commanded_pose    | in        | RigidTransform | m          | X_WH, commanded               |
+    | commanded_state   | in        | vector (16)    | rad, rad/s | of the arm's servos           |
+    | motor_fraction    | in        | vector (k)     | -          | measured travel of the motors |
+    | spatial_velocity  | out       | vector (6)     | rad/s, m/s | wanted [w; v] of H in W       |
+    | motor_command     | out       | vector (k)     | -          | wanted travel of the motors   |
+    | story             | out       | Story          | -          | what happened so far          |
+    | phase             | out       | str            | -          | for people                    |
+    | view              | out       | ObjectView     | m          | the look                      |
+    | contacts          | out       | ContactSet     | m          | felt so far                   |
+    | surface           | out       | Surface        | m          | estimate                      |
+    | touch_plan        | out       | TouchPlan      | m          | the touch under way           |
+    | candidates        | out       | Candidates     | m          | grasps                        |
+    | scores            | out       | GraspScores    | -          | their ratings                 |
     """
 
 
@@ -65,6 +67,7 @@ INPUTS = (
     ("wrist_wrench", "contact_estimator", "wrist_wrench"),
     ("hand_velocity", "contact_estimator", "hand_velocity"),
     ("hand_velocity", "fingertip", "hand_velocity"),
+    ("hand_acceleration", "contact_estimator", "hand_acceleration"),
     ("hand_pose", "contact_estimator", "hand_pose"),
     ("commanded_pose", "fingertip", "hand_pose"),
     ("commanded_pose", "position_controller", "hand_pose"),
@@ -194,11 +197,17 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "contact_estimator": FtContactEstimator(
             touching_skin(hand),
             HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H),
-            # The plant tells the wrench of its last step, which goes with the acceleration in that
-            # step: samples further apart feel touches where the hand merely speeds up.
-            FtContactSettings(period_s=scenario.time_step_s),
+            FtContactSettings(period_s=wrist_period(scenario.time_step_s)),
         ),
     }
+
+
+def wrist_period(time_step_s: float) -> float:
+    """Between samples of the wrist [s]: the plant's steps that come nearest to `_WRIST_PERIOD_S`.
+
+    A sample between two steps would have to solve the next one early, and for nothing.
+    """
+    return time_step_s * max(1, round(_WRIST_PERIOD_S / time_step_s))
 
 
 def _collisions(scenario: Scenario, hand: HandModel, kinematics: ArmKinematics) -> ArmCollisions:

@@ -92,6 +92,9 @@ def add_world(builder: DiagramBuilder, scenario: Scenario, model: ObjectModel) -
         time_step=scenario.time_step_s,
         contact_model="hydroelastic_with_fallback" if contact == "hydroelastic" else contact,
         discrete_contact_approximation="lagged",
+        # Wrench and acceleration are of one step either way; a plant that keeps its last step
+        # copies the whole diagram's state in each.
+        use_sampled_output_ports=False,
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
     robot = _add_robot(plant, left_hand=scenario.left_hand)

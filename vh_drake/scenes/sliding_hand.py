@@ -5,7 +5,7 @@ import dataclasses as dc
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.math import SpatialAcceleration, SpatialVelocity
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import (
@@ -52,21 +52,25 @@ class SlideDrive(CollectableSystem):
         - contact
         - body_poses
         - body_velocities
+        - body_accelerations
         output_ports:
         - slide
         - tare
         - hand_pose
         - hand_velocity
+        - hand_acceleration
 
-    | port            | direction | type                  | unit       | meaning               |
-    |-----------------|-----------|-----------------------|------------|-----------------------|
-    | contact         | in        | vector (1)            | -          | 1: touched            |
-    | body_poses      | in        | list[RigidTransform]  | m          | of the plant          |
-    | body_velocities | in        | list[SpatialVelocity] | rad/s, m/s | of the plant          |
-    | slide           | out       | vector (2)            | m, m/s     | wanted state          |
-    | tare            | out       | vector (1)            | -          | 1 after TARE_S        |
-    | hand_pose       | out       | RigidTransform        | m          | X_WH                  |
-    | hand_velocity   | out       | vector (6)            | rad/s, m/s | [w; v] of H in W      |
+    | port               | direction | type                      | unit       | meaning          |
+    |--------------------|-----------|---------------------------|------------|------------------|
+    | contact            | in        | vector (1)                | -          | 1: touched       |
+    | body_poses         | in        | list[RigidTransform]      | m          | of the plant     |
+    | body_velocities    | in        | list[SpatialVelocity]     | rad/s, m/s | of the plant     |
+    | body_accelerations | in        | list[SpatialAcceleration] | *          | of the plant     |
+    | slide              | out       | vector (2)                | m, m/s     | wanted state     |
+    | tare               | out       | vector (1)                | -          | 1 after TARE_S   |
+    | hand_pose          | out       | RigidTransform            | m          | X_WH             |
+    | hand_velocity      | out       | vector (6)                | rad/s, m/s | [w; v] of H in W |
+    | hand_acceleration  | out       | vector (6)                | *          | rad/s², m/s²     |
 
     Args:
         hand: index of the hand's base.
@@ -79,6 +83,9 @@ class SlideDrive(CollectableSystem):
         self._contact = self.DeclareVectorInputPort("contact", 1)
         poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]([]))
         speeds = self.DeclareAbstractInputPort("body_velocities", Value[list[SpatialVelocity]]([]))
+        rates = self.DeclareAbstractInputPort(
+            "body_accelerations", Value[list[SpatialAcceleration]]([])
+        )
         self.DeclareDiscreteState(2)
         self.DeclarePeriodicDiscreteUpdateEvent(_STEP_S, 0.0, self._advance)
         state = {self.xd_ticket()}
@@ -100,6 +107,12 @@ class SlideDrive(CollectableSystem):
             6,
             lambda context, output: output.SetFromVector(speeds.Eval(context)[hand].get_coeffs()),
             prerequisites_of_calc={speeds.ticket()},
+        )
+        self.DeclareVectorOutputPort(
+            "hand_acceleration",
+            6,
+            lambda context, output: output.SetFromVector(rates.Eval(context)[hand].get_coeffs()),
+            prerequisites_of_calc={rates.ticket()},
         )
 
     def _advance(self, context: Context, values: DiscreteValues) -> None:
@@ -178,12 +191,17 @@ def make_sliding_hand(
         (plant.get_reaction_forces_output_port(), sensor.get_input_port()),
         (plant.get_body_poses_output_port(), drive.GetInputPort("body_poses")),
         (plant.get_body_spatial_velocities_output_port(), drive.GetInputPort("body_velocities")),
+        (
+            plant.get_body_spatial_accelerations_output_port(),
+            drive.GetInputPort("body_accelerations"),
+        ),
         (estimator.GetOutputPort("contact"), drive.GetInputPort("contact")),
         (drive.GetOutputPort("slide"), plant.get_desired_state_input_port(carriage)),
         (still.get_output_port(), plant.get_desired_state_input_port(instance)),
         (sensor.get_output_port(), estimator.GetInputPort("wrist_wrench")),
         (drive.GetOutputPort("hand_pose"), estimator.GetInputPort("hand_pose")),
         (drive.GetOutputPort("hand_velocity"), estimator.GetInputPort("hand_velocity")),
+        (drive.GetOutputPort("hand_acceleration"), estimator.GetInputPort("hand_acceleration")),
         (drive.GetOutputPort("tare"), estimator.GetInputPort("tare")),
         (ahead.get_output_port(), estimator.GetInputPort("approach_direction")),
     ):

@@ -38,23 +38,24 @@ def camera_pose_in_neck() -> RigidTransform:
 class Station(Diagram, metaclass=Collectable):
     """Plant, sensors and low-level control; the ports exist on the real robot.
 
-    | port             | direction | type           | unit         | meaning                       |
-    |------------------|-----------|----------------|--------------|-------------------------------|
-    | spatial_velocity | in        | vector (6)     | rad/s, m/s   | wanted [w; v] of H in W       |
-    | motor_command    | in        | vector (k)     | -            | wanted travel of the motors   |
-    | cloud            | out       | Cloud          | m            | what the head camera sees     |
-    | depth_image      | out       | ImageDepth32F  | m            | the same as an image          |
-    | commanded_state  | out       | vector (16)    | rad, rad/s   | of the arm's servos           |
-    | commanded_pose   | out       | RigidTransform | m            | X_WH of it                    |
-    | joint_state      | out       | vector (16)    | rad, rad/s   | measured                      |
-    | hand_pose        | out       | RigidTransform | m            | X_WH of it                    |
-    | hand_velocity    | out       | vector (6)     | rad/s, m/s   | [w; v] of H in W              |
-    | wrist_wrench     | out       | vector (6)     | N m, N       | [torque; force] about Ho in H |
-    | motor_fraction   | out       | vector (k)     | -            | measured travel of the motors |
-    | tendon_force     | out       | vector (f)     | N            | in each finger's tendon       |
-    | finger_joints    | out       | vector (n)     | rad          | estimated from the motors     |
-    | ground_truth     | out       | vector         | SI           | plant state; for judges only  |
-    | query_object     | out       | QueryObject    | -            | geometry; for pictures only   |
+    | port              | direction | type           | unit       | meaning                       |
+    |-------------------|-----------|----------------|------------|-------------------------------|
+    | spatial_velocity  | in        | vector (6)     | rad/s, m/s | wanted [w; v] of H in W       |
+    | motor_command     | in        | vector (k)     | -          | wanted travel of the motors   |
+    | cloud             | out       | Cloud          | m          | what the head camera sees     |
+    | depth_image       | out       | ImageDepth32F  | m          | the same as an image          |
+    | commanded_state   | out       | vector (16)    | rad, rad/s | of the arm's servos           |
+    | commanded_pose    | out       | RigidTransform | m          | X_WH of it                    |
+    | joint_state       | out       | vector (16)    | rad, rad/s | measured                      |
+    | hand_pose         | out       | RigidTransform | m          | X_WH of it                    |
+    | hand_velocity     | out       | vector (6)     | rad/s, m/s | [w; v] of H in W              |
+    | hand_acceleration | out       | vector (6)     | *          | its rate, rad/s², m/s²        |
+    | wrist_wrench      | out       | vector (6)     | N m, N     | [torque; force] about Ho in H |
+    | motor_fraction    | out       | vector (k)     | -          | measured travel of the motors |
+    | tendon_force      | out       | vector (f)     | N          | in each finger's tendon       |
+    | finger_joints     | out       | vector (n)     | rad        | estimated from the motors     |
+    | ground_truth      | out       | vector         | SI         | plant state; for judges only  |
+    | query_object      | out       | QueryObject    | -          | geometry; for pictures only   |
     """
 
     world: World
@@ -113,11 +114,16 @@ def _add_arm(
     builder.Connect(gravity.GetOutputPort("torque"), plant.get_actuation_input_port(world.robot))
     joint_state = plant.get_state_output_port(world.robot)
     builder.Connect(joint_state, measured.GetInputPort("joint_state"))
+    builder.Connect(
+        plant.get_generalized_acceleration_output_port(world.robot),
+        measured.GetInputPort("joint_acceleration"),
+    )
     builder.ExportOutput(desired, "commanded_state")
     builder.ExportOutput(joint_state, "joint_state")
     builder.ExportOutput(commanded.GetOutputPort("hand_pose"), "commanded_pose")
     builder.ExportOutput(measured.GetOutputPort("hand_pose"), "hand_pose")
     builder.ExportOutput(measured.GetOutputPort("hand_velocity"), "hand_velocity")
+    builder.ExportOutput(measured.GetOutputPort("hand_acceleration"), "hand_acceleration")
 
 
 def _add_sensors(builder: DiagramBuilder, world: World, scenario: Scenario) -> None:

@@ -23,7 +23,7 @@ from vh_drake.types import Array
 
 _ABOVE_M = 0.05  # of the hand over the object at the start
 _HEADINGS_DEG = (0, 20, -20, 40, -40, 60, -60, 80, -80)  # of the fingers; 0 is forward
-_TO_DECISION = ("wrist_wrench", "hand_pose", "hand_velocity")
+_TO_DECISION = ("wrist_wrench", "hand_pose", "hand_velocity", "hand_acceleration")
 
 
 @dc.dataclass(frozen=True)

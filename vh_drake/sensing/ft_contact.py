@@ -30,34 +30,31 @@ from vh_drake.sensing.hand_load import HandInertia, load_of
 from vh_drake.sensing.low_pass import LowPass, filtered, settle
 from vh_drake.types import Array, ContactSet
 
-_COUNTED_S = 0.002  # period for which the settings count samples
-
 
 @dc.dataclass
 class FtContactSettings:
     """Knobs of the contact estimation."""
 
-    period_s: float = _COUNTED_S  # of the samples [s]
+    period_s: float = 0.002  # of the samples [s]
     cutoff_hz: float = 10.0  # of the low-pass [Hz]
     threshold_n: float = 0.10  # ΔF of eq. 4.8 [N]
     fast_threshold_n: float = 0.5  # ΔF while the hand moves fast [N]
     fast_speed_m_s: float = 0.08  # [m/s]
-    # ΔF must be exceeded for so long: a joint that meets its limit jolts the hand for 6 ms.
-    # Counts of samples are those of a period of 2 ms, and more where that is shorter.
-    hold_samples: int = 5
-    # So does the force before the low-pass, which moving arms leave below 0.3 N for as long [N].
+    # From the first sample over ΔF to the last that is needed: a joint that meets its limit jolts
+    # the hand for 6 ms [s].
+    hold_s: float = 0.008
+    # So with the force before the low-pass, which moving arms leave below 0.3 N for as long [N, s].
     jump_n: float = 0.8
-    jump_samples: int = 3
-    # Place and normal are read anew for so long after that, while the hand pushes the object.
-    settle_samples: int = 50
+    jump_s: float = 0.004
+    settle_s: float = 0.1  # for which place and normal are read on, while the hand pushes [s]
     force_std_n: float = 0.02  # of one sample, per axis [N]
     torque_std_nm: float = 0.0005  # [N m]
     prior_std_m: float = 0.02  # of the contact about the expected place [m]
     friction: float = 0.8  # the most by which a force may lean from the normal
 
-    def lasting(self, samples: int) -> int:
-        """How many samples last as long as these do at a period of 2 ms, and no fewer."""
-        return max(samples, 1 + math.ceil((samples - 1) * _COUNTED_S / self.period_s - 1e-9))
+    def samples(self, duration_s: float) -> int:
+        """How many samples in a row span at least a duration from the first to the last."""
+        return 1 + math.ceil(duration_s / self.period_s - 1e-9)
 
 
 class FtSample(NamedTuple):
@@ -67,6 +64,7 @@ class FtSample(NamedTuple):
     R_WH: Array  # (3, 3)
     p_WH: Array  # (3,) [m]
     velocity_W: Array  # (6,) of H [rad/s; m/s]
+    acceleration_W: Array  # (6,) of H [rad/s^2; m/s^2], of the same instant as the wrench
     approach_W: Array  # (3,) direction of motion; zero where unknown
     tare: float  # a change latches F_0
 
@@ -75,7 +73,6 @@ class FtSample(NamedTuple):
 class FtState:
     """All that the estimation remembers."""
 
-    velocity_W: Array = dc.field(default_factory=lambda: np.zeros(6))  # last sample's
     approach_W: Array = dc.field(default_factory=lambda: np.zeros(3))  # the last known
     low_pass: Array = dc.field(default_factory=lambda: np.zeros((2, 6)))
     wrench_H: Array = dc.field(default_factory=lambda: np.zeros(6))  # filtered, from outside
@@ -94,8 +91,13 @@ class FtState:
         place = (self.contact.p_WC[0], self.contact.n_WC[0]) if touched else (np.zeros(6),)
         counts = [float(self.exceeded), float(self.jumped)]
         flags = [self.tare, float(self.started), *counts, float(touched)]
-        motion = (self.velocity_W, self.approach_W)
-        parts = (*motion, self.low_pass.ravel(), self.wrench_H, self.offset_H, self.force_W)
+        parts = (
+            self.approach_W,
+            self.low_pass.ravel(),
+            self.wrench_H,
+            self.offset_H,
+            self.force_W,
+        )
         read = self.readings
         sums = (read.force, read.forces.ravel(), read.moment, [read.torque])
         vector: Array = np.concatenate([*parts, flags, *sums, *place])
@@ -104,13 +106,12 @@ class FtState:
     @staticmethod
     def from_vector(vector: Array) -> "FtState":
         """The inverse of `to_vector`."""
-        motion, low_pass, wrench, offset, force, flags, sums, place = (
+        approach, low_pass, wrench, offset, force, flags, sums, place = (
             vector[part] for part in _STATE_PARTS
         )
         touched = has_contact(vector)
         return FtState(
-            velocity_W=motion[:6],
-            approach_W=motion[6:],
+            approach_W=approach,
             low_pass=low_pass.reshape(2, 6),
             wrench_H=wrench,
             offset_H=offset,
@@ -124,12 +125,12 @@ class FtState:
         )
 
 
-# Motion, low-pass, wrench, offset, force, flags, sums of readings, place.
-_STATE_SIZES = (9, 12, 6, 6, 3, 5, 16, 6)
+# Approach, low-pass, wrench, offset, force, flags, sums of readings, place.
+_STATE_SIZES = (3, 12, 6, 6, 3, 5, 16, 6)
 STATE_SIZE = sum(_STATE_SIZES)
 _ENDS = tuple(accumulate(_STATE_SIZES))
 _STATE_PARTS = tuple(slice(end - size, end) for size, end in zip(_STATE_SIZES, _ENDS, strict=True))
-_MOTION_END, _MEMORY_END, _WRENCH_END, _OFFSET_END, _FORCE_END, _FLAGS_END = _ENDS[:6]
+_APPROACH_END, _MEMORY_END, _WRENCH_END, _OFFSET_END, _FORCE_END, _FLAGS_END = _ENDS[:6]
 _TARE, _STARTED, _EXCEEDED, _JUMPED, _TOUCHED = range(_FORCE_END, _FLAGS_END)
 
 
@@ -146,7 +147,6 @@ def force_of(state: Array) -> Array:
 class _Knobs(NamedTuple):
     """What a step needs of settings, filter and hand, as numbers."""
 
-    period_s: float
     thresholds_n: tuple[float, float]  # of the slow hand and the fast one
     fast_m_s: float
     jump_n: float
@@ -200,6 +200,7 @@ class FtContactModel:
             np.ascontiguousarray(sample.R_WH, dtype=float),
             np.ascontiguousarray(sample.p_WH, dtype=float),
             np.ascontiguousarray(sample.velocity_W, dtype=float),
+            np.ascontiguousarray(sample.acceleration_W, dtype=float),
             np.ascontiguousarray(sample.approach_W, dtype=float),
             sample.tare,
             self.inertia.p_HCom,
@@ -238,15 +239,14 @@ class FtContactModel:
 
 
 def _knobs(settings: FtContactSettings, low_pass: LowPass, mass: float) -> _Knobs:
-    hold = settings.lasting(settings.hold_samples)
+    hold = settings.samples(settings.hold_s)
     return _Knobs(
-        period_s=float(settings.period_s),
         thresholds_n=(float(settings.threshold_n), float(settings.fast_threshold_n)),
         fast_m_s=float(settings.fast_speed_m_s),
         jump_n=float(settings.jump_n),
-        jump_samples=settings.lasting(settings.jump_samples),
+        jump_samples=settings.samples(settings.jump_s),
         hold_samples=hold,
-        settled=hold + settings.lasting(settings.settle_samples),
+        settled=hold + settings.samples(settings.settle_s),
         b=low_pass.b,
         a=low_pass.a,
         mass=float(mass),
@@ -263,6 +263,7 @@ def _advance(
     R_WH: Array,
     p_WH: Array,
     velocity_W: Array,
+    acceleration_W: Array,
     approach_W: Array,
     tare: float,
     p_HCom: Array,
@@ -273,14 +274,18 @@ def _advance(
 
     Returns _READS where a reading is to be taken, _NOT_FINITE where nothing was changed.
     """
-    size = _sum(wrench_H) + _sum(velocity_W) + _sum(p_WH) + _sum(approach_W) + _sum(R_WH.ravel())
-    if not np.isfinite(size + tare * tare):
+    size = _sum(wrench_H) + _sum(velocity_W) + _sum(acceleration_W) + _sum(R_WH.ravel())
+    if not np.isfinite(size + _sum(p_WH) + _sum(approach_W) + tare * tare):
         return _NOT_FINITE
-    outside = _filter(state, wrench_H, R_WH, velocity_W, p_HCom, I_H, knobs)
+    load = load_of(
+        knobs.mass, p_HCom, I_H, R_WH, velocity_W[:3], acceleration_W[:3], acceleration_W[3:]
+    )
+    outside = wrench_H - load
+    _filter(state, outside, knobs)
     wrench, offset = state[_MEMORY_END:_WRENCH_END], state[_WRENCH_END:_OFFSET_END]
     known = _sum(approach_W) > 0.0  # It ends with the motion.
     if known or tare != state[_TARE]:
-        state[6:_MOTION_END] = approach_W
+        state[:_APPROACH_END] = approach_W
     if tare != state[_TARE]:
         offset[:] = wrench
         state[_OFFSET_END:] = 0.0
@@ -300,27 +305,13 @@ def _advance(
 
 
 @njit(cache=True)
-def _filter(
-    state: Array,
-    wrench_H: Array,
-    R_WH: Array,
-    velocity_W: Array,
-    p_HCom: Array,
-    I_H: Array,
-    knobs: _Knobs,
-) -> Array:
-    """Takes the hand's own load off the wrench and low-passes the rest (6,), which comes back."""
-    started = state[_STARTED] > 0.0
-    rate = (velocity_W - state[:6]) / knobs.period_s if started else np.zeros(6)
-    load = load_of(knobs.mass, p_HCom, I_H, R_WH, velocity_W[:3], rate[:3], rate[3:])
-    outside = wrench_H - load
-    memory = state[_MOTION_END:_MEMORY_END].reshape(2, 6)
-    if not started:
+def _filter(state: Array, outside: Array, knobs: _Knobs) -> None:
+    """Low-passes the wrench from outside (6,)."""
+    memory = state[_APPROACH_END:_MEMORY_END].reshape(2, 6)
+    if state[_STARTED] == 0.0:
         settle(knobs.b, knobs.a, outside, memory)
     state[_MEMORY_END:_WRENCH_END] = filtered(knobs.b, knobs.a, outside, memory)
-    state[:6] = velocity_W
     state[_STARTED] = 1.0
-    return outside
 
 
 @njit(cache=True)
