@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues
 
-from vh_drake.control.joint_limits import PERIOD_S, limited_joint_velocity
+from vh_drake.control.joint_limits import PERIOD_S, next_joint_state
 from vh_drake.control.kinematics import ArmKinematics
 from vh_drake.errors import BadInput
 from vh_drake.systems.collectable import CollectableSystem
@@ -64,14 +64,9 @@ class JointVelocityIntegrator(CollectableSystem):
         context.SetDiscreteState(np.concatenate([self._checked(q), np.zeros(8)]))
 
     def _step(self, context: Context, values: DiscreteValues) -> None:
-        arm = self._kinematics
         now = context.get_discrete_state_vector().value()
-        q, velocity = now[:8], now[8:]
-        velocity = limited_joint_velocity(
-            self._velocity.Eval(context), q, velocity, arm.limits, period_s=self._period_s
-        )
-        # Clamped, since the sum is rounded.
-        values.set_value(np.concatenate([arm.clamped(q + self._period_s * velocity), velocity]))
+        wanted, limits = self._velocity.Eval(context), self._kinematics.limits
+        values.set_value(next_joint_state(wanted, now, limits, period_s=self._period_s))
 
     def _checked(self, q: Array) -> Array:
         arm = self._kinematics

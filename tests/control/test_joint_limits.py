@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scenery import right_arm
 
 from vh_drake.control import kernels
-from vh_drake.control.joint_limits import PERIOD_S, limited_joint_velocity
+from vh_drake.control.joint_limits import PERIOD_S, limited_joint_velocity, next_joint_state
 from vh_drake.errors import BadInput
 
 ARM = right_arm()
@@ -42,6 +42,21 @@ def test_no_limit_is_exceeded_by_any_commands(wanted, shares, period_s):
         q = q + period_s * after
         assert np.all((q >= LOWER - ROUNDING) & (q <= UPPER + ROUNDING))
         velocity = after
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    wanted=anything(8),
+    shares=arrays(float, 8, elements=st.floats(0.0, 1.0)),
+    velocity=arrays(float, 8, elements=st.floats(-3.0, 3.0)),
+)
+def test_the_next_state_goes_on_with_the_limited_velocity(wanted, shares, velocity):
+    q = LOWER + shares * (UPPER - LOWER)
+    limited = step(wanted, q, velocity)
+    after = next_joint_state(wanted, np.concatenate([q, velocity]), ARM.limits)
+    np.testing.assert_array_equal(after[8:], limited)
+    np.testing.assert_allclose(after[:8], q + PERIOD_S * limited, atol=1e-6)
+    assert np.all((after[:8] >= LOWER) & (after[:8] <= UPPER))
 
 
 @settings(max_examples=100, deadline=None)

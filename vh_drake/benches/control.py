@@ -38,7 +38,7 @@ from vh_drake.control.cartesian_position import (
     MAX_LINEAR_M_S,
     pose_error,
 )
-from vh_drake.control.joint_limits import limited_joint_velocity
+from vh_drake.control.joint_limits import next_joint_state
 from vh_drake.control.kinematics import (
     SUFFIX,
     TORSO_JOINT,
@@ -171,8 +171,9 @@ def carried_out(
             break
         wanted, seconds = controller(X_target, X_WH, q, velocity)
         times.append(seconds)
-        velocity = limited_joint_velocity(wanted, q, velocity, arm.limits, period_s=PERIOD_S)
-        q = arm.clamped(q + PERIOD_S * velocity)
+        state = np.concatenate([q, velocity])
+        after = next_joint_state(wanted, state, arm.limits, period_s=PERIOD_S)
+        q, velocity = after[:8], after[8:]
     return Reach(False, 1e3 * deviation, now_s)
 
 

@@ -41,10 +41,14 @@ def cartesian_position_velocity(
     Raises:
         BadInput: a pose is no (4, 4) array of finite numbers.
     """
-    error = pose_error(X_WH_target, X_WH)
-    if V_WH_target is not None:
-        error = error + V_WH_target / gain_per_s
-    velocity: Array = kernels.bounded_velocity(error, gain_per_s, max_angular_rad_s, max_linear_m_s)
+    velocity: Array = kernels.pursuit(
+        _checked(X_WH_target),
+        _checked(X_WH),
+        np.zeros(6) if V_WH_target is None else np.ascontiguousarray(V_WH_target, dtype=float),
+        gain_per_s,
+        max_angular_rad_s,
+        max_linear_m_s,
+    )
     return velocity
 
 

@@ -36,14 +36,39 @@ def limited_joint_velocity(
     Raises:
         BadInput: a number is not finite, or the shapes differ.
     """
-    w = np.ascontiguousarray(wanted, dtype=float)
-    q = np.ascontiguousarray(q, dtype=float)
-    v = np.ascontiguousarray(velocity, dtype=float)
-    finite = kernels.finite(w) and kernels.finite(q) and kernels.finite(v)
-    if not (finite and w.shape == q.shape == v.shape):
-        raise BadInput(
-            "joint velocities and positions must be finite and of the same number, not "
-            f"{w.tolist()}, {q.tolist()}, {v.tolist()}"
-        )
+    w, q, v = (np.ascontiguousarray(x, dtype=float) for x in (wanted, q, velocity))
+    _check(w, q, v)
     result: Array = kernels.limited_change(w, q, v, limits, period_s)
     return result
+
+
+def next_joint_state(
+    wanted: Array, state: Array, limits: Array, *, period_s: float = PERIOD_S
+) -> Array:
+    """Joint positions, then velocities (2 n,) [rad, rad/s] after a period.
+
+    The velocities are those of `limited_joint_velocity`, the positions their sum.
+
+    Args:
+        wanted: joint velocities (n,) [rad/s].
+        state: positions, then velocities now (2 n,).
+        limits: as of `limited_joint_velocity`.
+        period_s: of the step [s].
+
+    Raises:
+        BadInput: a number is not finite, or the shapes don't fit.
+    """
+    w, x = (np.ascontiguousarray(given, dtype=float) for given in (wanted, state))
+    n = len(w)
+    _check(w, x[:n], x[n:])
+    after: Array = kernels.next_state(w, x, limits, period_s)
+    return after
+
+
+def _check(wanted: Array, q: Array, velocity: Array) -> None:
+    finite = kernels.finite(wanted) and kernels.finite(q) and kernels.finite(velocity)
+    if not (finite and wanted.shape == q.shape == velocity.shape):
+        raise BadInput(
+            "joint velocities and positions must be finite and of the same number, not "
+            f"{wanted.tolist()}, {q.tolist()}, {velocity.tolist()}"
+        )

@@ -144,6 +144,15 @@ def pose_error(X_target: Array, X: Array) -> Array:
 
 
 @njit(cache=True)
+def pursuit(
+    X_target: Array, X: Array, V_target: Array, gain: float, max_angular: float, max_linear: float
+) -> Array:
+    """`bounded_velocity` towards a pose that moves."""
+    error = pose_error(X_target, X) + V_target / gain
+    return bounded_velocity(error, gain, max_angular, max_linear)
+
+
+@njit(cache=True)
 def norm(x: Array) -> float:
     """Euclidean length."""
     return float(np.sqrt(np.sum(x * x)))
@@ -369,6 +378,18 @@ def limited_change(wanted: Array, q: Array, velocity: Array, limits: Array, dt: 
         up = stopping_speed(limits[1, i] - q[i], limits[3, i], dt)
         result[i] = min(max(result[i], -down), up)
     return np.minimum(np.maximum(result, -limits[2]), limits[2])
+
+
+@njit(cache=True)
+def next_state(wanted: Array, state: Array, limits: Array, dt: float) -> Array:
+    """Positions and velocities (2 n,) after a period of `limited_change`."""
+    n = len(wanted)
+    velocity = limited_change(wanted, state[:n], state[n:], limits, dt)
+    after = np.empty(2 * n)
+    # Clamped, since the sum is rounded.
+    after[:n] = np.minimum(np.maximum(state[:n] + dt * velocity, limits[0]), limits[1])
+    after[n:] = velocity
+    return after
 
 
 @njit(cache=True)
