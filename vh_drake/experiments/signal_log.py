@@ -21,6 +21,11 @@ SIGNALS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ),
     (
         "station",
+        "hand_acceleration",
+        (*(f"alpha_WH_{a}_rad_per_s2" for a in _XYZ), *(f"a_WH_{a}_m_per_s2" for a in _XYZ)),
+    ),
+    (
+        "station",
         "wrist_wrench",
         (*(f"wrist_torque_{a}_nm" for a in _XYZ), *(f"wrist_force_{a}_n" for a in _XYZ)),
     ),
