@@ -194,12 +194,22 @@ def _systems(scenario: Scenario, hand: HandModel) -> dict[str, LeafSystem]:
         "fingertip": Fingertip(fingertip_frame(hand)),
         "follower": TrajectoryFollower(follow),
         "selector": VelocitySelector(),
-        "contact_estimator": FtContactEstimator(
-            touching_skin(hand),
-            HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H),
-            FtContactSettings(period_s=wrist_period(scenario.time_step_s)),
-        ),
+        "contact_estimator": make_contact_estimator(hand, scenario.time_step_s),
     }
+
+
+def make_contact_estimator(hand: HandModel, time_step_s: float) -> FtContactEstimator:
+    """What the robot's wrist feels, the hand's own load taken off.
+
+    Args:
+        hand: on the wrist.
+        time_step_s: of the plant.
+    """
+    return FtContactEstimator(
+        touching_skin(hand),
+        HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H),
+        FtContactSettings(period_s=wrist_period(time_step_s)),
+    )
 
 
 def wrist_period(time_step_s: float) -> float:

@@ -12,13 +12,12 @@ from vh_drake.errors import BadInput
 from vh_drake.grasping.motions import CollectSettings, collect_pose
 from vh_drake.hand.model import HandModel
 from vh_drake.objects.model import ObjectModel
-from vh_drake.scenes.decision import touching_skin
+from vh_drake.scenes.decision import make_contact_estimator
 from vh_drake.scenes.placing import draw_object_pose, place_object
 from vh_drake.scenes.scenario import Scenario
 from vh_drake.scenes.showing import add_robot_visualizer
 from vh_drake.scenes.station import Station, make_station
 from vh_drake.systems.cartesian_position_controller import CartesianPositionController
-from vh_drake.systems.ft_contact_estimator import FtContactEstimator
 from vh_drake.types import Array
 
 _ABOVE_M = 0.05  # of the hand over the object at the start
@@ -71,7 +70,7 @@ def make_teaching_scene(
     station = builder.AddSystem(make_station(scenario, model))
     controller = builder.AddNamedSystem("position_controller", CartesianPositionController())
     estimator = builder.AddNamedSystem(
-        "contact_estimator", FtContactEstimator(touching_skin(station.hand))
+        "contact_estimator", make_contact_estimator(station.hand, scenario.time_step_s)
     )
     builder.Connect(station.GetOutputPort("commanded_pose"), controller.GetInputPort("hand_pose"))
     builder.Connect(
