@@ -2,13 +2,24 @@ import re
 
 import numpy as np
 import pytest
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.systems.analysis import Simulator
 
 from vh_drake.exploration.touch_motion import pad_in_hand
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import read_hand_model
-from vh_drake.scenes.decision import INPUTS, Decision, make_decision, touching_skin
+from vh_drake.hand.shipped import hand_file
+from vh_drake.scenes.decision import (
+    INPUTS,
+    Decision,
+    make_contact_estimator,
+    make_decision,
+    touching_skin,
+)
 from vh_drake.scenes.plant import default_hand
 from vh_drake.scenes.scenario import Scenario
+from vh_drake.sensing.hand_load import HandInertia, HandMotion, own_load
 
 # What a real ARMAR-6 measures or computes from it.
 SENSED = {
@@ -60,6 +71,25 @@ def test_the_wrist_is_read_where_the_plant_steps(step_s, period_s):
     estimator = decision.GetSubsystemByName("contact_estimator")
     event = estimator.GetUniquePeriodicDiscreteUpdateAttribute()
     assert event.period_sec() == pytest.approx(period_s, abs=1e-12)
+
+
+def test_a_described_hand_s_own_weight_is_not_felt_when_it_turns():
+    hand = read_hand_model(load_hand(hand_file("armar3_right")))
+    estimator = make_contact_estimator(hand, 0.001)
+    simulator = Simulator(estimator)
+    context = simulator.get_mutable_context()
+    for name, size in (("hand_velocity", 6), ("hand_acceleration", 6), ("approach_direction", 3)):
+        estimator.GetInputPort(name).FixValue(context, np.zeros(size))
+    inertia = HandInertia(hand.mass_kg, hand.p_HCom, hand.I_H)
+    for tare, until, pitch in ((0.0, 0.1, 0.0), (1.0, 0.2, 0.0), (1.0, 0.5, 1.2)):
+        X_WH = RigidTransform(RollPitchYaw(0.0, pitch, 0.0), np.zeros(3))
+        still = HandMotion(X_WH.rotation().matrix(), np.zeros(3), np.zeros(3), np.zeros(3))
+        estimator.GetInputPort("hand_pose").FixValue(context, Value(X_WH))
+        estimator.GetInputPort("wrist_wrench").FixValue(context, own_load(inertia, still))
+        estimator.GetInputPort("tare").FixValue(context, [tare])
+        simulator.AdvanceTo(until)
+    np.testing.assert_allclose(estimator.GetOutputPort("force").Eval(context), 0.0, atol=1e-9)
+    assert estimator.GetOutputPort("contact").Eval(context)[0] == 0.0
 
 
 def test_the_touching_finger_s_pad_comes_first():
