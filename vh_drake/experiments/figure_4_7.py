@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from vh_drake.atomic_files import write_bytes
 from vh_drake.catalog import Options
 from vh_drake.experiments.metric_scenes import judged_scenes
-from vh_drake.experiments.ungraspable import pose_of, searched_poses
+from vh_drake.experiments.ungraspable import searched_poses
 from vh_drake.learning.calibration import reliability
 from vh_drake.learning.evaluating import (
     METRICS,
@@ -64,14 +64,13 @@ def possible(scenes: Sequence[Judged], searched: Sequence[Row]) -> Row:
         scenes: all of them.
         searched: of `searched_poses`.
     """
-    ungraspable = {row["pose"] for row in searched if not row["graspable"]}
-    others = [scene for scene in scenes if pose_of(scene) not in ungraspable]
+    hopeless = {scene for row in searched if not row["graspable"] for scene in row["scenes_alike"]}
+    others = [scene for scene in scenes if scene.scene not in hopeless]
     best = top1(others, "learned")
     return {
         "top1_ceiling": round(len(others) / len(scenes), 4),
         "top1_success_below_ceiling": None if best is None else round(best, 4),
-        "poses": len(by(scenes, pose_of)),
-        "poses_without_any_grasp_on_truth": len(ungraspable),
+        "scenes_without_any_grasp_on_truth": len(hopeless),
     }
 
 

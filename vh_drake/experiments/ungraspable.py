@@ -1,4 +1,4 @@
-"""Poses in which no candidate succeeds: can the hand grasp the object there at all?"""
+"""Scenes in which no candidate succeeds: can the hand grasp the object there at all?"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,18 +11,13 @@ from vh_drake.learning.evaluating import Judged, by
 from vh_drake.learning.generating import hand_model, true_object
 from vh_drake.learning.labels import SUCCESS_RATE
 from vh_drake.learning.searching import best_grasp
-from vh_drake.learning.shards import read_shard
+from vh_drake.learning.shards import LabelledScene, read_shard
 from vh_drake.objects.loading import load_object
 from vh_drake.reports import Row
 
 
-def pose_of(scene: Judged) -> int:
-    """The number of a scene's pose, which scenes with more or fewer touches share."""
-    return scene.scene // len(TOUCH_COUNTS)
-
-
 def searched_poses(scenes: Sequence[Judged], options: Options, settings: Row) -> list[Row]:
-    """A search on the true mesh for each pose whose candidates all fail.
+    """A search on the true mesh for each scene whose candidates all fail.
 
     Args:
         scenes: judged scenes of `judged_scenes`.
@@ -30,43 +25,59 @@ def searched_poses(scenes: Sequence[Judged], options: Options, settings: Row) ->
         settings: that the scenes depend on.
 
     Returns:
-        For each such pose its number, object, how many grasps were tried on the truth, and the
-        best force-closure rate among them.
+        For each pose in such scenes the object, their numbers, how many grasps were tried on the
+        truth, and the best force-closure rate among them.
     """
-    poses = by(scenes, pose_of)
-    failing = [pose for pose, own in poses.items() if not any(s.success.any() for s in own)]
     shards = shard_paths(options.out / "scenes")
+    failing = by([s for s in scenes if not s.success.any()], _shard_of)
     tasks = {
-        str(pose): {
-            "pose": pose,
-            "shard": str(shards[pose]),
+        str(shard): {
+            "shard": str(shards[shard]),
+            "scenes": [scene.scene for scene in own],
             "folder": None if options.objects is None else str(options.objects),
             "settings": [settings["candidates"], settings["perturbations"]],
         }
-        for pose in failing
+        for shard, own in failing.items()
     }
-    return run_tasks(
-        search_row,
+    found = run_tasks(
+        search_rows,
         tasks,
         settings=settings,
-        journal=options.out / "search.jsonl",
+        journal=options.out / "searched.jsonl",
         workers=options.workers,
         title="search",
     )
+    return [row for rows in found for row in rows]
 
 
-def search_row(task: Row) -> Row:
-    """The search in one pose."""
-    scene = next(s for s in read_shard(Path(task["shard"])) if len(s.candidates))
+def _shard_of(scene: Judged) -> int:
+    return scene.scene // len(TOUCH_COUNTS)
+
+
+def search_rows(task: Row) -> list[Row]:
+    """A search in each pose that some scenes of a shard show.
+
+    They share one, unless the planners found nothing in it and it was drawn anew.
+    """
     folder = None if task["folder"] is None else Path(task["folder"])
-    mesh = load_object(scene.object, folder=folder).mesh
     settings = evaluation_settings(*task["settings"])
-    truth = true_object(mesh, scene, settings)
-    rate, count = best_grasp(truth, hand_model(settings.hand), settings.label, scene.scene)
-    return {
-        "pose": task["pose"],
-        "object": scene.object,
-        "searched": count,
-        "best_rate_on_truth": round(rate, 4),
-        "graspable": rate > SUCCESS_RATE,
-    }
+    poses: dict[bytes, list[LabelledScene]] = {}
+    for scene in read_shard(Path(task["shard"])):
+        if scene.scene in task["scenes"]:
+            poses.setdefault(scene.view.p_WO.tobytes(), []).append(scene)
+    rows: list[Row] = []
+    for alike in poses.values():
+        scene = alike[0]
+        mesh = load_object(scene.object, folder=folder).mesh
+        truth = true_object(mesh, scene, settings)
+        rate, count = best_grasp(truth, hand_model(settings.hand), settings.label, scene.scene)
+        rows.append(
+            {
+                "object": scene.object,
+                "scenes_alike": [scene.scene for scene in alike],
+                "searched": count,
+                "best_rate_on_truth": round(rate, 4),
+                "graspable": rate > SUCCESS_RATE,
+            }
+        )
+    return rows
