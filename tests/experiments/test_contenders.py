@@ -19,10 +19,11 @@ def test_what_goes_beyond_the_thesis_runs_by_default_and_is_compared_with_igef()
     assert set(BEYOND) <= set(DEFAULT) <= set(CONTENDERS)
 
 
-def test_the_shortest_way_runs_only_where_it_is_asked_for():
-    assert KNOWING in CONTENDERS
-    assert KNOWING not in DEFAULT
-    row = CONTENDERS[KNOWING](subject("apple", ""), 0)
+@pytest.mark.parametrize("name", KNOWING)
+def test_who_knows_the_object_runs_only_where_it_is_asked_for(name):
+    assert name in CONTENDERS
+    assert name not in DEFAULT
+    row = CONTENDERS[name](subject("apple", ""), 0)
     assert row["end"] == "goal"
     assert row["distance_cm"] < CONTENDERS["igef"](subject("apple", ""), 0)["distance_cm"]
 

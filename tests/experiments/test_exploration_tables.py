@@ -11,7 +11,7 @@ import pytest
 from vh_drake.catalog import Options
 from vh_drake.errors import BadInput, UnknownName
 from vh_drake.experiments import appendix_a, table_3_5
-from vh_drake.experiments.contenders import CONTENDERS, DEFAULT, chosen_contenders
+from vh_drake.experiments.contenders import CONTENDERS, DEFAULT, KNOWING, chosen_contenders
 from vh_drake.experiments.exploration_statistics import compared, interval, object_means
 from vh_drake.experiments.exploration_trials import explored_objects
 from vh_drake.experiments.figure_3_37 import regression
@@ -53,16 +53,17 @@ def test_ratios_are_those_of_the_means_of_each_object_averaged_over_objects():
     assert "igef_shortest_share_equal_radius" not in summary
 
 
-def test_the_shortest_way_is_set_beside_what_strategies_need():
+@pytest.mark.parametrize("name", KNOWING)
+def test_who_knows_the_object_is_set_beside_what_strategies_need(name):
     rows = [
-        made_row("a", "shortest_way", 10.0),
-        made_row("b", "shortest_way", 30.0),
+        made_row("a", name, 10.0),
+        made_row("b", name, 30.0),
         made_row("a", "gp_variance", 40.0),
         made_row("b", "gp_variance", 40.0),
     ]
-    assert compared(object_means(rows))["shortest_way_over_gp_variance_mean_ratio"] == 0.5
+    assert compared(object_means(rows))[f"{name}_over_gp_variance_mean_ratio"] == 0.5
     rows += [made_row("a", "igef", 20.0), made_row("b", "igef", 30.0)]
-    assert compared(object_means(rows))["igef_over_shortest_way_mean_ratio"] == 1.5
+    assert compared(object_means(rows))[f"igef_over_{name}_mean_ratio"] == 1.5
 
 
 def test_the_interval_of_a_mean_covers_it_and_narrows_with_more_values():

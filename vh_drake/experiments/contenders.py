@@ -13,10 +13,11 @@ from pathlib import Path
 from vh_drake.errors import UnknownName
 from vh_drake.experiments.hand_closing import planned_hand, true_closer
 from vh_drake.exploration.explorer import ExplorerSettings
+from vh_drake.exploration.knowing_strategy import explore_rating_truth
 from vh_drake.exploration.loop import Body, Exploration, explore, make_body
 from vh_drake.exploration.measures import measure
 from vh_drake.exploration.shortest_way import Sites, explore_knowing, make_sites
-from vh_drake.exploration.tuned import RADIUS_M, TUNED, tuned
+from vh_drake.exploration.tuned import IGEF_KNOWING, RADIUS_M, TUNED, tuned
 from vh_drake.exploration.whole_hand import Closer, Hand, explore_by_hand
 from vh_drake.hand.description import load_hand
 from vh_drake.hand.model import HandModel, read_hand_model
@@ -75,6 +76,12 @@ def by_shortest_way(subject: Subject, seed: int) -> Row:
     return _numbers(result, subject, settings)
 
 
+def by_igef_knowing(subject: Subject, seed: int) -> Row:
+    """One exploration by IGEF that rates the true surface."""
+    result = explore_rating_truth(subject.body, _sites(subject), IGEF_KNOWING, seed=seed)
+    return _numbers(result, subject, IGEF_KNOWING)
+
+
 @cache
 def _hand() -> tuple[HandModel, Hand]:
     """The right hand of ARMAR-6, and how it plans closings."""
@@ -103,7 +110,11 @@ def by_whole_hand(subject: Subject, seed: int) -> Row:
     }
 
 
-KNOWING = "shortest_way"  # knows the object, as no strategy does: what could be saved at most
+# Know the object, as no strategy does: what could be saved at most, and what without looking ahead.
+KNOWING: Mapping[str, Contender] = {
+    "shortest_way": by_shortest_way,
+    "igef_knowing": by_igef_knowing,
+}
 EQUAL_RADIUS = "_equal_radius"  # candidates within R_0 of the last contact, as for IGEF and chance
 
 CONTENDERS: Mapping[str, Contender] = {
@@ -112,7 +123,7 @@ CONTENDERS: Mapping[str, Contender] = {
         by_strategy, strategy="gp_variance", candidate_radius_m=RADIUS_M
     ),
     "whole_hand": by_whole_hand,
-    KNOWING: by_shortest_way,
+    **KNOWING,
 }
 
 DEFAULT = ("igef", "gp_variance", "random", f"gp_variance{EQUAL_RADIUS}", "lookahead", "whole_hand")

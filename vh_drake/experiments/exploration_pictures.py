@@ -25,6 +25,7 @@ _LABELS = {
     "igef": "IGEF",
     "gp_variance": "GP variance",
     "shortest_way": "shortest way found by who knows the object",
+    "igef_knowing": "IGEF that knows the object",
 }
 _CM = 100.0
 _PER_CURVE = 16  # points of a drawn curve

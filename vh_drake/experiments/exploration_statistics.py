@@ -71,9 +71,10 @@ def compared(means: Means) -> Row:
             summary |= _ratio(f"{other}_over_igef", ratio)
         elif other != "igef":
             summary |= _ratio(f"igef_over_{other}", means.of("igef") / means.of(other))
-    if {KNOWING, "gp_variance"} <= set(means.values):
-        ratio = means.of(KNOWING) / means.of("gp_variance")
-        summary |= _ratio(f"{KNOWING}_over_gp_variance", ratio)
+    for knowing in KNOWING if "gp_variance" in means.values else ():
+        if knowing in means.values:
+            ratio = means.of(knowing) / means.of("gp_variance")
+            summary |= _ratio(f"{knowing}_over_gp_variance", ratio)
     summary |= _shortest(means, "igef_shortest_share", ("gp_variance", "random"))
     equal = (f"gp_variance{EQUAL_RADIUS}", "random")
     summary |= _shortest(means, "igef_shortest_share_equal_radius", equal)

@@ -6,8 +6,10 @@ R_0. Every strategy has the settings that suited it best on the train split
 (`vh_drake.exploration.tuned`), and ends by the same rules. A run that does not reach the goal
 counts with the distance that it used.
 
-`--strategies shortest_way,gp_variance,igef` sets a way beside them that was planned on the true
-object (`vh_drake.exploration.shortest_way`): no strategy could save much more.
+`--strategies shortest_way,igef_knowing,gp_variance,igef` sets two beside them that know the object:
+a way that was planned on it (`vh_drake.exploration.shortest_way`), for no strategy could save much
+more, and IGEF that rates the true surface (`vh_drake.exploration.knowing_strategy`), for no better
+estimate could do so.
 """
 
 import dataclasses as dc

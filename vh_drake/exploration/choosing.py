@@ -120,9 +120,18 @@ def _candidates(
 ) -> tuple[Situation, bool]:
     """The candidates, and whether they are fresh."""
     sheet, chosen, fresh = _offered(known, s, anywhere=anywhere)
-    situation = Situation(
-        p=sheet.vertices[chosen],
-        n=sheet.normals[chosen],
+    return situation_at(sheet.vertices[chosen], sheet.normals[chosen], known, s, seed), fresh
+
+
+def situation_at(p: Array, n: Array, known: Known, s: ExplorerSettings, seed: int) -> Situation:
+    """What a strategy rates where p (m, 3) [m], with normals n (m, 3), can be touched.
+
+    Raises:
+        UnknownName: the departure rule.
+    """
+    return Situation(
+        p=p,
+        n=n,
         contacts=known.contacts,
         posterior=known.posterior,
         p_WTip=known.p_WTip,
@@ -132,7 +141,6 @@ def _candidates(
         explored_radius_m=s.explored_radius_m,
         seed=seed,
     )
-    return situation, fresh
 
 
 def _offered(

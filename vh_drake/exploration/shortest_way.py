@@ -114,7 +114,7 @@ def explore_knowing(
     known, covered = start, coverage
     for _ in range(search.plans):
         for site in _planned(body, sites, known, covered, settings, search, end, seed):
-            step = step_to(body, _choice(sites, site, known, settings), known, covered, settings)
+            step = step_to(body, choice_of(sites, site, known, settings), known, covered, settings)
             if step is None:
                 break
             steps.append(step)
@@ -124,11 +124,24 @@ def explore_knowing(
     return Exploration(start, coverage, tuple(steps), "stuck")
 
 
-def _choice(sites: Sites, site: int, known: Known, s: ExplorerSettings) -> Choice:
+def choice_of(sites: Sites, site: int, known: Known, s: ExplorerSettings) -> Choice:
     """The way from the last contact to a site."""
     p, n = sites.p_WC[site : site + 1], sites.n_WC[site : site + 1]
     curve = approach_curves(known.p_WTip, known.contacts.n_WC[-1], p + s.tip_radius_m * n, n)
     return Choice(p, n, np.zeros(1), 0, curve)
+
+
+def legs_from(body: Body, sites: Sites, known: Known, s: ExplorerSettings) -> Array:
+    """Lengths (k + 1, k + 1) of the ways from the last contact, the first row, and from all sites.
+
+    Infinite where one meets the object or is long, and back to the last contact [m].
+    """
+    p_WC = np.vstack([known.contacts.p_WC[-1:], sites.p_WC])
+    n_WC = np.vstack([known.contacts.n_WC[-1:], sites.n_WC])
+    legs = np.full((len(p_WC), len(p_WC)), np.inf)
+    legs[1:, 1:] = sites.legs_m
+    legs[0] = _free_legs(body.tree, p_WC + s.tip_radius_m * n_WC, n_WC, s.tip_radius_m, rows=1)[0]
+    return legs
 
 
 def _planned(
@@ -143,11 +156,7 @@ def _planned(
 ) -> list[int]:
     """Sites to touch one after the other, from the last contact on."""
     p_WC = np.vstack([known.contacts.p_WC[-1:], sites.p_WC])
-    n_WC = np.vstack([known.contacts.n_WC[-1:], sites.n_WC])
-    tips = p_WC + settings.tip_radius_m * n_WC
-    legs = np.full((len(p_WC), len(p_WC)), np.inf)
-    legs[1:, 1:] = sites.legs_m
-    legs[0] = _free_legs(body.tree, tips, n_WC, settings.tip_radius_m, rows=1)[0]
+    legs = legs_from(body, sites, known, settings)
     shortest, before = shortest_paths(legs)
     reached = np.flatnonzero(np.isfinite(shortest[0]))
     legs, p_WC = shortest[np.ix_(reached, reached)], p_WC[reached]
@@ -178,15 +187,23 @@ def _problem(legs: Array, p_WC: Array, coverage: Coverage, near: int, goal: floa
 
 def _with_stops(tour: IntArray, before: IntArray) -> list[int]:
     """A tour with the touches between, where its legs are made of several."""
-    stops: list[int] = []
-    for a, b in pairwise(tour):
-        if a == b:
-            continue
-        leg = [int(b)]
-        while (stop := int(before[a, leg[-1]])) != a:
-            leg.append(stop)
-        stops += reversed(leg)
-    return stops
+    return [
+        stop for a, b in pairwise(tour) if a != b for stop in stops_between(int(a), int(b), before)
+    ]
+
+
+def stops_between(a: int, b: int, before: IntArray) -> list[int]:
+    """Where the shortest path from a to another place b touches on its way, b at last.
+
+    Args:
+        a: index of the start.
+        b: index of the end.
+        before: (k, k) of `vh_drake.exploration.tours.shortest_paths`.
+    """
+    leg = [b]
+    while (stop := int(before[a, leg[-1]])) != a:
+        leg.append(stop)
+    return leg[::-1]
 
 
 @njit(cache=True)

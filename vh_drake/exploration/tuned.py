@@ -38,6 +38,9 @@ TUNED: Mapping[str, ExplorerSettings] = {
     ),
 }
 
+# Rates the true surface, so that it is never wrong and can go farther at a time.
+IGEF_KNOWING = dc.replace(TUNED["igef"], strategy=Igef(IgefSettings(mu3_m=0.035)))
+
 
 def tuned(strategy: str, *, candidate_radius_m: float | None = None) -> ExplorerSettings:
     """The settings of a strategy; None leaves the candidate radius as it is.
