@@ -150,3 +150,19 @@ def test_looking_ahead_explores_a_ball_on_a_shorter_way_than_igef():
 def test_the_same_seed_gives_the_same_exploration():
     runs = [explore(BALL, SETTINGS, seed=4).known.contacts.p_WC for _ in "ab"]
     np.testing.assert_array_equal(*runs)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_a_rod_is_explored_to_its_ends_though_the_estimate_closes_before_them(seed):
+    rod = make_body(from_trimesh(trimesh.creation.box((0.2, 0.01, 0.01))), np.zeros(3))
+    assert explore(rod, SETTINGS, seed=seed).end == "goal"
+
+
+def test_what_is_explored_is_offered_only_near_what_is_not():
+    settings = dc.replace(SETTINGS, candidate_radius_m=0.03)
+    known = begin(BALL, settings, seed=0)[0]
+    away = candidates(known, settings).nearest_contact_m
+    assert SETTINGS.fresh_m < away.min() < SETTINGS.explored_radius_m < away.max()
+    settings = dc.replace(settings, candidate_radius_m=0.018)  # all of it is explored
+    away = candidates(known, settings).nearest_contact_m
+    assert away.min() >= SETTINGS.explored_radius_m

@@ -146,26 +146,32 @@ def situation_at(p: Array, n: Array, known: Known, s: ExplorerSettings, seed: in
 def _offered(
     known: Known, s: ExplorerSettings, *, anywhere: bool
 ) -> tuple[Sheet, NDArray[np.bool_], bool]:
-    """An estimate, which of its vertices are candidates, and whether these are fresh.
+    """An estimate, which of its vertices are candidates, and whether some of it is unexplored.
 
-    The radius grows until some are fresh and do not bulge, then the margin does: an estimate that
-    ends within its margin seems explored, though the object may go on.
+    The radius grows until some of it is and does not bulge, then the margin does: an estimate that
+    ends within its margin seems explored, though the object may go on. What is explored is offered
+    only where something near it is not.
     """
+    least = max(s.fresh_m, s.explored_radius_m)
     radius, margin = np.inf if anywhere else s.candidate_radius_m, s.margin_m
+    offered_m = s.fresh_m
     while True:
         sheet = _sheet(known, s, radius, margin)
         allowed = _allowed(sheet.vertices, known, s, s.set_aside_m, anywhere=anywhere)
-        fresh = allowed & (cKDTree(known.contacts.p_WC).query(sheet.vertices)[0] >= s.fresh_m)
-        high = bulge(sheet.vertices, known.contacts, within_m=s.bulge_within_m)
-        likely = fresh & (high <= s.bulge_m)
-        if likely.any() or (radius == np.inf and margin >= _MOST_MARGIN_M):
+        away = cKDTree(known.contacts.p_WC).query(sheet.vertices)[0]
+        low = bulge(sheet.vertices, known.contacts, within_m=s.bulge_within_m) <= s.bulge_m
+        unexplored = allowed & (away >= least)
+        if (unexplored & low).any() or (radius == np.inf and margin >= _MOST_MARGIN_M):
             break
         if radius == np.inf:
             margin = min(2.0 * margin, _MOST_MARGIN_M)
-        radius = 2.0 * radius if 2.0 * radius < _WHOLE_M else np.inf
+        radius, offered_m = 2.0 * radius if 2.0 * radius < _WHOLE_M else np.inf, least
+    likely = allowed & (away >= offered_m) & low
     rest = _allowed(sheet.vertices, known, s, _ASIDE_AT_LAST_M, anywhere=anywhere)
-    chosen = next((some for some in (likely, fresh, rest) if some.any()), ~rest)
-    return sheet, chosen, bool(fresh.any())
+    if (unexplored & low).any():
+        return sheet, likely, True
+    chosen = next((some for some in (unexplored, rest) if some.any()), ~rest)
+    return sheet, chosen, bool(unexplored.any())
 
 
 def _sheet(known: Known, s: ExplorerSettings, radius: float, margin: float) -> Sheet:
