@@ -24,7 +24,7 @@ class ExplorerSettings:
     spacing_m: float = 0.005  # between candidates
     margin_m: float = 0.05  # of candidates beyond the box around the contacts
     # Candidates nearer to a contact are left out while there are others; where all within the
-    # candidate radius are so near, the radius grows, and then the margin.
+    # candidate radius are so near, or explored, the radius grows, and then the margin.
     fresh_m: float = 0.02
     # So are those that lie farther outside the tangent plane of a contact within `bulge_within_m`,
     # where the estimate hangs over what was touched.

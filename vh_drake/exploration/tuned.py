@@ -6,8 +6,8 @@ that bulge were put off. None was tuned again after the rule for what is no long
 With μ3 = 18 mm IGEF predicts contacts by more than a quarter better, but goes 3 % farther on 11
 everyday objects of the split; the way decides. The look-ahead's distances of fresh and of barren
 touches are the shortest of five pairs with which 95 % of its runs on the split reach the goal.
-With all of them the fingertip leaves along the
-contact normal: along the inverse approach velocity (eq. 3.71) it crawls on edges.
+With all of them the fingertip leaves along the contact normal: along the inverse approach velocity
+(eq. 3.71) it crawls on edges.
 """
 
 import dataclasses as dc
