@@ -62,5 +62,5 @@ def test_a_part_that_no_way_leads_to_ends_the_exploration():
     mesh = from_trimesh(apart)
     body = make_body(mesh, np.zeros(3))
     result = explore_rating_truth(body, make_sites(body, mesh, count=200), IGEF_KNOWING, seed=0)
-    assert result.end == "stuck"
+    assert result.end == "lost"
     assert result.shares[-1] < 0.6

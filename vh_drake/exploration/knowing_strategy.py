@@ -5,13 +5,23 @@ where the fingertip fits, and on curves that are truly free. So it is never wron
 will touch; all that it wastes, it wastes by not looking ahead.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.spatial import cKDTree
 
 from vh_drake.exploration.choosing import situation_at
 from vh_drake.exploration.coverage import Coverage
 from vh_drake.exploration.explorer import ExplorerSettings, Known
-from vh_drake.exploration.loop import Body, EndSettings, Exploration, Step, begin, step_to
+from vh_drake.exploration.loop import (
+    Body,
+    EndSettings,
+    Exploration,
+    Step,
+    begin,
+    judged,
+    step_to,
+)
 from vh_drake.exploration.shortest_way import Sites, choice_of, legs_from, stops_between
 from vh_drake.exploration.tours import shortest_paths
 
@@ -38,16 +48,16 @@ def explore_rating_truth(
     """
     settings, end = settings or ExplorerSettings(), end or EndSettings()
     start, coverage = begin(body, settings, seed=seed)
-    steps: list[Step] = []
-    known, covered = start, coverage
-    while covered.share < end.goal and len(steps) < end.most_touches:
-        step = _next_step(body, sites, known, covered, settings, seed)
-        if step is None:
-            return Exploration(start, coverage, tuple(steps), "stuck")
-        steps.append(step)
-        known, covered = step.known, step.coverage
-    reason = "goal" if covered.share >= end.goal else "touches"
-    return Exploration(start, coverage, tuple(steps), reason)
+    return judged(start, coverage, _touches(body, sites, start, coverage, settings, seed), end)
+
+
+def _touches(
+    body: Body, sites: Sites, known: Known, coverage: Coverage, s: ExplorerSettings, seed: int
+) -> Iterator[Step]:
+    """Touch after touch, for as long as a site is fresh and can be reached."""
+    while (step := _next_step(body, sites, known, coverage, s, seed)) is not None:
+        known, coverage = step.known, step.coverage
+        yield step
 
 
 def _next_step(

@@ -126,9 +126,22 @@ def explore(
     """
     settings, end = settings or ExplorerSettings(), end or EndSettings()
     start, coverage = begin(body, settings, seed=seed)
+    return judged(start, coverage, touches(body, start, coverage, settings, seed=seed), end)
+
+
+def judged(
+    start: Known, coverage: Coverage, going: Iterator[Step], end: EndSettings
+) -> Exploration:
+    """An exploration from its first contact on, until a judge ends it.
+
+    Args:
+        start: what is known after the first contact.
+        coverage: after it.
+        going: the steps that would be made.
+        end: when it ends.
+    """
     steps: list[Step] = []
     share, without_gain, reason = coverage.share, 0, ""
-    going = touches(body, start, coverage, settings, seed=seed)
     while not (reason := _reason(share, without_gain, len(steps), end)):
         step = next(going, None)
         if step is None:
