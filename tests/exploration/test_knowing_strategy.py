@@ -52,15 +52,7 @@ def test_far_places_are_reached_by_touches_on_the_way(sites):
     assert max(step.touch.length_m for step in steps) < 0.08
 
 
-def test_a_part_that_no_way_leads_to_ends_the_exploration():
-    apart = trimesh.util.concatenate(
-        [
-            trimesh.creation.box((0.04, 0.04, 0.04)),
-            trimesh.creation.box((0.04, 0.04, 0.04)).apply_translation((0.5, 0, 0)),
-        ]
-    )
-    mesh = from_trimesh(apart)
-    body = make_body(mesh, np.zeros(3))
-    result = explore_rating_truth(body, make_sites(body, mesh, count=200), IGEF_KNOWING, seed=0)
+def test_a_part_that_no_way_leads_to_ends_the_exploration(apart):
+    result = explore_rating_truth(*apart, IGEF_KNOWING, seed=0)
     assert result.end == "lost"
     assert result.shares[-1] < 0.6

@@ -53,15 +53,7 @@ def test_who_knows_the_object_goes_a_shorter_way_and_touches_what_it_meant_to(si
         np.testing.assert_array_equal(knowing.start.p_WTip, other.start.p_WTip)
 
 
-def test_a_part_that_no_way_leads_to_ends_the_exploration():
-    apart = trimesh.util.concatenate(
-        [
-            trimesh.creation.box((0.04, 0.04, 0.04)),
-            trimesh.creation.box((0.04, 0.04, 0.04)).apply_translation((0.5, 0, 0)),
-        ]
-    )
-    mesh = from_trimesh(apart)
-    body = make_body(mesh, np.zeros(3))
-    result = explore_knowing(body, make_sites(body, mesh, count=200), search=BRIEF, seed=0)
+def test_a_part_that_no_way_leads_to_ends_the_exploration(apart):
+    result = explore_knowing(*apart, search=BRIEF, seed=0)
     assert result.end == "stuck"
     assert result.shares[-1] == pytest.approx(0.5, abs=0.03)

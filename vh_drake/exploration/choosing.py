@@ -118,7 +118,7 @@ def departure_direction(known: Known, rule: str) -> Array:
 def _candidates(
     known: Known, s: ExplorerSettings, seed: int, *, anywhere: bool
 ) -> tuple[Situation, bool]:
-    """The candidates, and whether they are fresh."""
+    """The candidates, and whether some are unexplored."""
     sheet, chosen, fresh = _offered(known, s, anywhere=anywhere)
     return situation_at(sheet.vertices[chosen], sheet.normals[chosen], known, s, seed), fresh
 

@@ -195,7 +195,7 @@ def _explore(touch: int, explored: NDArray[np.bool_], places: Places) -> None:
 
 
 @njit(cache=True)
-def lengths_between(p_WTip: Array, n: Array) -> Array:
+def lengths_between(p_WTip: Array, n: Array, rows: int = 1_000_000) -> Array:
     """Lengths (k, k) of the curves from each place to each other, which leave along the normal.
 
     The curves are those of `vh_drake.exploration.trajectory.approach_curves`; five nodes of
@@ -204,10 +204,11 @@ def lengths_between(p_WTip: Array, n: Array) -> Array:
     Args:
         p_WTip: (k, 3) centres of the fingertip at the places [m].
         n: (k, 3) outward unit normals there.
+        rows: only from so many of the places, then (rows, k).
     """
     k = len(p_WTip)
-    lengths = np.full((k, k), np.inf)
-    for i in range(k):
+    lengths = np.full((min(rows, k), k), np.inf)
+    for i in range(len(lengths)):
         for j in range(k):
             if i == j:
                 continue

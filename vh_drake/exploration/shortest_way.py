@@ -214,7 +214,7 @@ def _free_legs(
 
     They leave and come along the normals n (k, 3).
     """
-    legs = lengths_between(tips, n)[:rows]
+    legs = lengths_between(tips, n, rows)
     for i in range(len(legs)):
         for j in range(len(tips)):
             if not _SHORTEST_M < legs[i, j] < _LONGEST_M:
