@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from vh_drake import batch
 from vh_drake.batch import run_tasks
 from vh_drake.errors import BadInput
 
@@ -63,6 +64,23 @@ def test_workers_are_replaced_after_their_share():
 def test_a_negative_number_of_workers_is_refused():
     with pytest.raises(BadInput, match="workers"):
         run_tasks(slow_square, TASKS, settings={}, workers=-1)
+
+
+def test_without_a_terminal_lines_tell_how_far_it_is(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(batch, "_LINE_EVERY_S", 0.0)
+    journal = tmp_path / "journal.jsonl"
+    with pytest.raises(ValueError, match="seven"):
+        run_tasks(failing, TASKS, settings={}, journal=journal, workers=1, title="squares")
+    assert capsys.readouterr().err.splitlines() == [f"squares: {i} of 12" for i in range(1, 8)]
+    run_tasks(slow_square, TASKS, settings={}, journal=journal, workers=1, title="squares")
+    assert capsys.readouterr().err.splitlines() == [f"squares: {i} of 12" for i in range(8, 13)]
+
+
+def test_short_work_writes_one_line_and_work_without_a_title_none(capsys):
+    run_tasks(slow_square, TASKS, settings={}, workers=1, title="squares")
+    assert capsys.readouterr().err == "squares: 12 of 12\n"
+    run_tasks(slow_square, TASKS, settings={}, workers=1)
+    assert capsys.readouterr().err == ""
 
 
 def test_killed_at_random_moments_it_ends_with_the_same_bytes(tmp_path):

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -11,6 +12,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from vh_drake.journal import Journal
 
 _TASKS_PER_PROCESS = 200  # Whatever tasks leave behind ends with their process
 _QUEUED_PER_WORKER = 3
+_LINE_EVERY_S = 30.0  # of progress, where no terminal shows a bar
 
 
 def run_tasks(
@@ -47,7 +50,7 @@ def run_tasks(
         workers: processes; 1 computes in this one, 0 takes every core.
         executor: computes the tasks instead, such as Dask's; stays open.
         tasks_per_process: after so many a worker is replaced.
-        title: stands before the progress bar on standard error, where that is a terminal.
+        title: of the progress on standard error, a bar on a terminal and else lines; none without.
 
     Returns:
         The results in the order of `tasks`, whatever the order in which they came.
@@ -62,13 +65,12 @@ def run_tasks(
     kept = None if journal is None else Journal(journal, settings)
     results = {} if kept is None else dict(kept.results)
     missing = {key: task for key, task in tasks.items() if key not in results}
-    with _progress(title) as progress:
-        bar = progress.add_task(title, total=len(tasks), completed=len(tasks) - len(missing))
+    with _progress(title, len(tasks) - len(missing), len(tasks)) as advance:
         for key, result in _computed(function, missing, workers, executor, tasks_per_process):
             if kept is not None:
                 kept.add(key, result)
             results[key] = result
-            progress.advance(bar)
+            advance()
     return [results[key] for key in tasks]
 
 
@@ -128,12 +130,30 @@ def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _progress(title: str) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=Console(file=sys.stderr),
-        disable=not (title and sys.stderr.isatty()),
-    )
+@contextmanager
+def _progress(title: str, done: int, total: int) -> Iterator[Callable[[], None]]:
+    """What to call after each task: a bar moves on a terminal, elsewhere lines are written."""
+    if not title:
+        yield lambda: None
+    elif sys.stderr.isatty():
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+        console = Console(file=sys.stderr)
+        with Progress(*columns, TimeRemainingColumn(), console=console) as bar:
+            task = bar.add_task(title, total=total, completed=done)
+            yield lambda: bar.advance(task)
+    else:
+        yield _lines(title, done, total)
+
+
+def _lines(title: str, done: int, total: int) -> Callable[[], None]:
+    """Writes how many tasks are done on standard error, now and then, and after the last."""
+    count, written = done, time.monotonic()
+
+    def advance() -> None:
+        nonlocal count, written
+        count += 1
+        if count == total or time.monotonic() - written >= _LINE_EVERY_S:
+            written = time.monotonic()
+            print(f"{title}: {count} of {total}", file=sys.stderr, flush=True)
+
+    return advance
