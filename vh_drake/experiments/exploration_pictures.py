@@ -20,6 +20,8 @@ COLORS = {
     "gp_variance_equal_radius": "tab:orange",
     "uncertainty_cost": "tab:purple",
     "potential_field": "tab:brown",
+    "shortest_way": "black",
+    "igef_knowing": "tab:green",
 }
 _LABELS = {
     "igef": "IGEF",

@@ -53,7 +53,7 @@ def run(options: Options) -> Report:
     for split, means in parts.items():
         if split != result:
             summary |= {f"{split or 'other'}_{key}": v for key, v in compared(means).items()}
-    figure = Figure(figsize=(9.0, 2.0 + 0.3 * len(parts[result].objects)), layout="constrained")
+    figure = Figure(figsize=(9.0, 2.8 + 0.3 * len(parts[result].objects)), layout="constrained")
     draw_distances(figure.subplots(), parts[result])
     save_figure(options.out / "table-3.5.png", figure)
     return Report("table-3.5", {**settings, "split": result}, summary, thesis(), rows)
@@ -92,4 +92,4 @@ def draw_distances(axes: Axes, means: Means) -> None:
     axes.set(xlabel="distance to 80 % coverage, mean of the runs [cm]")
     axes.set_title("Table 3.5: what exploring an object costs; objects by surface area")
     axes.grid(axis="x", which="both", alpha=0.3)
-    axes.legend()
+    axes.figure.legend(loc="outside lower center", ncols=2)
